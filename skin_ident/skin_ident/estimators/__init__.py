@@ -1,1 +1,1 @@
-"""Estimators: from recordings to parameters, with an uncertainty that holds and a verdict that says what was identifiable."""
+"""Estimators: from recordings to parameters, with realistic standard errors and a verdict on which parameters were identifiable."""

@@ -1,9 +1,11 @@
-"""Intervals that do not take the noise for normal or even: stretches of the residual, all channels together, are drawn anew.
+"""Bootstrap intervals, for noise that is neither normal nor of constant level: blocks ("stretches") of the residual, all channels together,
+are resampled.
 
-The fit is linear in what was measured, so a drawn residual e* moves the coefficients by G' e*; no refit is needed, and shares, differences
-and ratios are formed afterwards. Noise that remembers longer than a stretch lasts would come out too small: the residual goes through each
-channel's noise model, stretches of what is left are drawn, and the model gives them their memory back. They are a thirtieth of what was
-recorded by default. What all drawings have in common is taken off: it is no scatter; and they are widened for there being so few stretches.
+The fit is linear in the measurement, so a resampled residual e* moves the coefficients by G' e*. No refit is needed; shares, differences
+and ratios are formed afterwards. Noise with a correlation longer than a stretch would come out too small. So the residual is whitened by
+each channel's noise model, stretches of the whitened residual are drawn, and the noise model colours them again. By default a stretch is a
+thirtieth of what was recorded. The mean of all draws is subtracted, since it is no scatter, and the draws are widened because there are so
+few stretches.
 Source: H. R. Künsch, Ann. Statist. 17 (1989) 1217; whitening before, D. W. K. Andrews, J. C. Monahan, Econometrica 60 (1992) 953.
 """
 
@@ -22,21 +24,21 @@ from skin_ident.recordings.recording import Recording
 from skin_models.signals import Motion
 
 NAMES = ("m", "b1", "k1", "b2", "k2")
-FEWEST = 4  # stretches in all sessions together
-STRETCHES = 30  # by default
-FEWEST_RUNS, MOST_RUNS = 40, 100_000
+FEWEST = 4  # stretches that must fit into all sessions together
+STRETCHES = 30  # stretches in what was recorded, by default
+FEWEST_RUNS, MOST_RUNS = 40, 100_000  # draws
 
 
 @dataclass(frozen=True, eq=False)
 class Bootstrap:
-    """Drawn parameters (runs, P) by name; `stretch` is the length drawn, s."""
+    """Resampled parameters `values` (runs, P), in the order of `names`; `stretch` is the length of a block, s."""
 
     names: tuple[str, ...]
     values: np.ndarray
     stretch: float
 
     def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
-        """Between which ends, SI, the middle `level` of what was drawn of a parameter lies."""
+        """The percentile interval of a parameter, SI: it holds the middle share `level` of the draws."""
         drawn = self.values[:, self.names.index(name)]
         low, high = np.percentile(drawn, [50 * (1 - level), 50 * (1 + level)])
         return float(low), float(high)
@@ -52,8 +54,8 @@ def bootstrap(
     stretch: float | None = None,
     seed: int = 0,
 ) -> Bootstrap:
-    """Draw the dispersion parameters `runs` times. `motions` replaces the measured motion; `stretch` in s. Raises `FitError` where the
-    sessions are too short for it."""
+    """Resample the dispersion parameters `runs` times. `motions` replaces the measured motion; `stretch` is in s. Raises `FitError` where
+    the sessions are too short for such stretches."""
     check_runs(runs)
     sessions, _ = prepare(recordings, motions)
     shape = shape_of(sessions, mass, offsets)
@@ -73,7 +75,7 @@ def bootstrap(
 
 
 def check_runs(runs: int) -> None:
-    """Raises `FitError` for so few samples that they have no interval, or so many that they take hours."""
+    """Raises `FitError` for too few draws to give an interval, or so many that they take hours."""
     if runs < FEWEST_RUNS:
         raise FitError(f"{runs} bootstrap samples have no 95 % interval: draw at least {FEWEST_RUNS}, better 1000")
     if runs > MOST_RUNS:
@@ -81,14 +83,15 @@ def check_runs(runs: int) -> None:
 
 
 def _white(blocks: list[list[Block]], regression: Regression) -> list[list[np.ndarray]]:
-    """Residuals through each channel's noise model, all channels equally long."""
+    """Residuals whitened by each channel's noise model, cut so that all channels are equally long."""
     order = max(ar.size for ar in regression.ar)
     each = zip(blocks, regression.coefficients, regression.ar, strict=True)
     return [[whitened(b.y - b.columns @ c, ar)[order - ar.size :] for b in channel] for channel, c, ar in each]
 
 
 def _gains(blocks: list[list[Block]], regression: Regression) -> list[list[np.ndarray]]:
-    """How much the coefficients move with each sample of the whitened noise, which begins before the session: it has a memory."""
+    """The change of the coefficients per sample of the whitened noise. It begins before the session, because earlier noise still acts in
+    it."""
     each = zip(blocks, regression.inverses, regression.ar, strict=True)
     gains = [[coloured(b.gain(p), ar)[::-1] for b in channel] for channel, p, ar in each]
     longest = [max(len(g) for g in session) for session in zip(*gains, strict=True)]
@@ -96,17 +99,17 @@ def _gains(blocks: list[list[Block]], regression: Regression) -> list[list[np.nd
 
 
 def _growth(stretches: float, coefficients: list[np.ndarray], runs: int, rng: np.random.Generator) -> np.ndarray:
-    """What every drawing is multiplied by, (runs,).
+    """Factors (runs,) by which the draws are multiplied.
 
-    The fit has taken as many stretches' worth of noise out of the residual as a channel has coefficients, just where it matters; and how
-    large the noise is is known from the rest only, so that the drawings are to spread as Student's t does.
+    The fit has removed as many stretches' worth of noise from the residual as a channel has coefficients, and in the directions that
+    matter. The level of the noise is known only from the remaining ones, so that the draws must scatter as Student's t does.
     """
     free = max(1.0, stretches - max(c.size for c in coefficients))
     return np.sqrt(stretches / free) * np.sqrt(free / rng.chisquare(free, runs))
 
 
 def _drawn(white: list[list[np.ndarray]], gains: list[list[np.ndarray]], length: int, rng: np.random.Generator) -> np.ndarray:
-    """The change of all coefficients by one drawing: the same stretches for every channel."""
+    """The change of all coefficients by one draw, with the same stretches for every channel."""
     sizes = [w.size for w in white[0]]
     picks = [_picked(sizes, len(g), length, rng) for g in gains[0]]
     whole = [np.concatenate(channel) for channel in white]
@@ -114,7 +117,7 @@ def _drawn(white: list[list[np.ndarray]], gains: list[list[np.ndarray]], length:
 
 
 def _picked(sizes: list[int], n: int, length: int, rng: np.random.Generator) -> np.ndarray:
-    """Indices into the sessions laid end to end: random stretches, none across a border, n samples in all."""
+    """Indices into the concatenated sessions: n samples in random stretches, none across the border of a session."""
     ends = np.cumsum(sizes)
     starts = np.concatenate([np.arange(end - size, end - length + 1) for end, size in zip(ends, sizes, strict=True)])
     drawn = rng.choice(starts, -(-n // length))

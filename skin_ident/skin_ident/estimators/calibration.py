@@ -1,5 +1,5 @@
-"""Straight lines that calibrate: newtons per volt of a taxel against the load cell (thesis eq 26, Table 3-1), and newtons per metre of
-anything against the depth (Table 3-2), with errors that hold although the residual is coloured by hysteresis and drift.
+"""Straight lines for calibration: newtons per volt of a taxel against the load cell (thesis eq 26, Table 3-1), and newtons per metre of
+any force against the depth (Table 3-2). Their standard errors allow for residuals that are coloured by hysteresis and drift.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from skin_ident.estimators.regression import Block, regress
 from skin_ident.recordings.recording import Recording
 
 ALL = np.ones(1)  # no low-pass
-LEAST_RANGE = 5.0  # times the residual: a smaller load says nothing about a slope
+LEAST_RANGE = 5.0  # times the residual's rms: the load must make y vary by more than this
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
-"""Errors that repeat with the motion: a converter's steps under a slow sine make the same error in every period.
+"""Errors that repeat with the motion: under a slow sine, the steps of a converter make the same error in every period.
 
-Such an error does not average out over periods, and a noise model smooth in frequency does not see it: its power sits on the harmonics of
-the motion. What lies on the second to ninth harmonic, over what the noise model expects there, tells how much sits on the first, which the
-fit has absorbed.
+Such an error does not average out over periods. A noise model that is smooth in frequency misses it, because its power is at the harmonics
+of the motion. The power at the second to ninth harmonic, relative to the noise model, tells how much there is at the first harmonic, where
+the fit has absorbed it.
 """
 
 from collections.abc import Sequence
@@ -10,15 +10,15 @@ from collections.abc import Sequence
 import numpy as np
 
 HARMONICS = range(2, 10)
-NEAR = 2  # bins to either side of a line, for motions of no whole number of periods
-ALONE = 0.5  # least share of the motion's power on its strongest line
-CHANCE = 2.6  # below this, the harmonics of white noise may look as strong
+NEAR = 2  # bins to either side of a line that count with it, for motions that are no whole number of periods
+ALONE = 0.5  # least share of the motion's power in its strongest line; with less, the motion is not periodic
+CHANCE = 2.6  # a smaller ratio may be chance: harmonics of white noise can look as strong
 
 
 def inflation(residuals: Sequence[np.ndarray], gains: Sequence[np.ndarray], ar: np.ndarray, std: float) -> float:
-    """By how much the variance of the coefficients grows (1: not at all).
+    """The factor by which the variance of the coefficients grows (1: not at all).
 
-    residuals: (n,) per session; gains: (n, P), how each coefficient depends on each sample; the noise model.
+    `residuals` (n,) and `gains` (n, P), the change of each coefficient per sample, are per session; `ar` and `std` are the noise model.
     """
     found = [_excess(e, g, ar, std) for e, g in zip(residuals, gains, strict=True)]
     found = [x for x in found if x is not None]
@@ -42,7 +42,7 @@ def _excess(e: np.ndarray, gain: np.ndarray, ar: np.ndarray, std: float) -> floa
 
 
 def _line(gain: np.ndarray) -> float | None:
-    """The bin, with a fraction, of the motion's strongest line; None where its power is spread out."""
+    """The (fractional) frequency bin of the motion's strongest line; None where its power is spread out."""
     scaled = gain / np.maximum(np.sqrt(np.sum(gain**2, axis=0)), 1e-300)
     power = np.sum(np.abs(np.fft.rfft(scaled - scaled.mean(axis=0), axis=0)) ** 2, axis=1)
     k = int(np.argmax(power))

@@ -1,4 +1,4 @@
-"""The covariance of a dispersion fit with what the converters' steps do to it."""
+"""The covariance of a dispersion fit, with the errors that converter steps cause."""
 
 from collections.abc import Sequence
 
@@ -17,12 +17,12 @@ def with_steps(
     values: list[list[np.ndarray]],
     rows: list[list[np.ndarray]] | None = None,
 ) -> np.ndarray:
-    """The joint covariance of all coefficients. `values[channel][session]` (N,) is what the fit says that the channel reads, N.
+    """The joint covariance of all coefficients. `values[channel][session]` (N,) is the prediction of the fit, N.
 
-    `rows` are the samples that were fitted where they are not the sessions' own: a robust loss holds spikes back.
+    `rows` are the samples that were fitted, where they differ from the recorded ones because a robust loss has drawn spikes in.
 
-    Where noise hides the steps of a channel this is the regression's own; where it does not, the part of the residual that the steps
-    explain counts once, as the error that it is, and not as noise.
+    Where the noise of a channel hides its steps, its covariance is that of the regression. Elsewhere, the part of the residual that the
+    steps explain is taken out of the noise, and the error that the steps cause in the coefficients is added.
     """
     parts, shares = [], []
     for c, (channel, inverse) in enumerate(zip(blocks, regression.inverses, strict=True)):

@@ -3,10 +3,10 @@
     taxel i   F_i  = s_i (b1 v + k1 x)
     force     F_LC = m (a - g) + (b1 + b2) v + (k1 + k2) x
 
-with depth x, speed v and acceleration a; terms are zero in the air, and where the skin would pull. Skin that the plunger has left behind
-recovers by itself; where the taxels are seen to feel that, x and v are those of its surface then, and nothing otherwise. The mass is
-estimated (Table 4-4), or held at a known value (Table 4-5). Taxels beside the plunger share the strongest one's b1 and k1 (rank one,
-weighted by their noise).
+with depth x, speed v and acceleration a. The terms are zero in the air, and where the skin would pull. Skin that the plunger has left
+behind recovers by itself. If the taxels are seen to feel that, x and v are then those of the skin's surface; otherwise the terms are zero.
+The mass is estimated (Table 4-4), or held at a known value (Table 4-5). Taxels beside the plunger have the b1 and k1 of the strongest taxel
+times a share (a fit of rank one, weighted by their noise).
 """
 
 from collections.abc import Callable, Sequence
@@ -29,15 +29,16 @@ from skin_models.parameter import Parameter, parameters_of
 from skin_models.signals import Motion
 
 FREE = "free"
-FAINT = 0.02  # a share that a taxel far from the plunger may come out at, with either sign
-ROBUST_ROUNDS = 20
-ROUNDS = 10  # at most, until the samples where skin and plunger touch no longer change
+FAINT = 0.02  # share that the noise of a taxel far from the plunger may produce, with either sign
+ROBUST_ROUNDS = 20  # of a robust loss, at most
+ROUNDS = 10  # at most, until the contact samples no longer change
 
 
 @dataclass(frozen=True)
 class Shape:
-    """What the recordings allow: is there a load cell, is the mass estimated or `mass` (kg), offsets per session, which taxels of all;
-    do taxels feel skin that recovers by itself."""
+    """The structure of the fit: whether there is a load cell (`force`), whether the mass is `free` or held at `mass` (kg), whether each
+    session has `offsets`, which taxels (`live`) of all `total` take part, and whether taxels feel skin that recovers by itself
+    (`recovers`)."""
 
     force: bool
     free: bool
@@ -49,7 +50,7 @@ class Shape:
 
     @property
     def taxels(self) -> int:
-        """How many taxels take part."""
+        """Number of taxels that take part."""
         return len(self.live)
 
 
@@ -64,8 +65,8 @@ def fit_dispersion(
 ) -> Estimate:
     """Fit one dispersion model to all sessions. `mass` is FREE or a value in kg; `motions` replaces the measured motion.
 
-    The skin's parameters are shared by all sessions; `offsets` gives every channel a zero of its own in each of them, which is reported
-    in the notes; `loss` is one of `robust.LOSSES`. Raises `FitError` where the recordings lack what the fit needs.
+    All sessions share the skin's parameters. `offsets` fits a zero offset per channel and session, which is reported in the notes; `loss`
+    is one of `robust.LOSSES`. Raises `FitError` where the recordings lack what the fit needs.
     """
     sessions, warnings = prepare(recordings, motions)
     shape = shape_of(sessions, mass, offsets)
@@ -83,13 +84,13 @@ def fit_dispersion(
 
 
 def _at_bound(recordings, motions, offsets: bool, method: str, loss: str) -> Estimate:
-    """The mass came out negative: the best that physics allows is none."""
+    """The fit with a mass of zero, the best that physics allows where the free mass came out negative."""
     estimate = fit_dispersion(recordings, 0.0, motions, offsets=offsets, method=method, loss=loss)
     return replace(estimate, verdicts={**estimate.verdicts, "m": mass_at_bound()})
 
 
 def shape_of(sessions: list[Session], mass: float | str, offsets: bool) -> Shape:
-    """What these sessions allow. Raises `FitError` where the mass, or anything at all, cannot be fitted."""
+    """The structure of the fit for these sessions. Raises `FitError` where the mass, or anything at all, cannot be fitted."""
     force, taxels = sessions[0].force is not None, len(sessions[0].taxels)
     if not force and not taxels:
         raise FitError(f"{sessions[0].name} holds no force in newtons: neither a load cell nor a calibrated taxel")
@@ -103,7 +104,7 @@ def shape_of(sessions: list[Session], mass: float | str, offsets: bool) -> Shape
 
 
 def recovery_is_felt(sessions: list[Session]) -> bool:
-    """Whether what taxels read after the plunger has left the skin is nearer to what recovering skin presses on them than to nothing."""
+    """Whether the taxels' readings after the plunger has left the skin are nearer to the force of recovering skin than to zero."""
     touched = np.concatenate([s.terms()[:2] for s in sessions], axis=1)
     read = np.concatenate([np.array(s.raw) for s in sessions], axis=1)
     b, k = np.linalg.lstsq(touched.T, read.T, rcond=None)[0]
@@ -115,7 +116,7 @@ def recovery_is_felt(sessions: list[Session]) -> bool:
 
 
 def settled(sessions: list[Session], shape: Shape) -> tuple[Regression, list[list[Block]]]:
-    """Regress, find where the skin parts from the plunger, and repeat until that no longer changes."""
+    """The regression and its blocks, repeated until the samples at which the skin parts from the plunger no longer change."""
     recovery = None
     for _ in range(ROUNDS):
         blocks = _blocks(sessions, shape, recovery)
@@ -130,9 +131,8 @@ def settled(sessions: list[Session], shape: Shape) -> tuple[Regression, list[lis
 def robustly(
     sessions: list[Session], shape: Shape, loss: str = LINEAR
 ) -> tuple[list[Session], tuple[Regression, list[list[Block]]], list[Tamed]]:
-    """`settled` under a loss: the sessions as they were fitted, the regression with its blocks, and what became of every channel.
-
-    There is nothing of the last for least squares. Raises `FitError`.
+    """`settled` under a loss: the sessions as they were fitted, the regression with its blocks, and the `Tamed` samples of every channel
+    (empty for least squares). Raises `FitError`.
     """
     found, held = settled(sessions, shape), []
     believed = [s.believed for s in sessions]
@@ -148,13 +148,13 @@ def robustly(
 
 
 def recovery_of(regression: Regression) -> float:
-    """b / k (s) of the load cell, or of the first taxel."""
+    """The skin's time constant of recovery b / k (s), from the load cell or, without one, the first taxel."""
     b, k = regression.coefficients[0][-2:]
     return float(b / k) if k > 0.0 else 0.0
 
 
 def said(sessions: list[Session], shape: Shape, regression: Regression) -> list[list[np.ndarray]]:
-    """What the fit says that every channel reads in every session (N,), at full rate, N."""
+    """The prediction of the fit, N, as [channel][session] arrays (N,) at full rate."""
     out: list[list[np.ndarray]] = [[] for _ in regression.coefficients]
     for i, s in enumerate(sessions):
         recovery = recovery_of(regression)
@@ -162,7 +162,7 @@ def said(sessions: list[Session], shape: Shape, regression: Regression) -> list[
         alone = s.left_alone(recovery) * shape.recovers
         for c, coefficients in enumerate(regression.coefficients):
             b, k = coefficients[-2:]
-            if c == shape.force:  # the load cell comes first, and feels nothing of it
+            if c == shape.force:  # the load cell comes first, and does not feel skin that recovers
                 v, x = v + alone[0], x + alone[1]
             mass = 0.0 if c or not shape.force else coefficients[-3] if shape.free else shape.mass
             out[c].append(b * v + k * x + mass * (a + g) + (coefficients[i] if shape.offsets else 0.0))
@@ -170,7 +170,8 @@ def said(sessions: list[Session], shape: Shape, regression: Regression) -> list[
 
 
 def _blocks(sessions: list[Session], shape: Shape, recovery: float | None) -> list[list[Block]]:
-    """Force first, then the taxels. Columns: (one per session,) (a - g,) v, x for the force; (one per session,) v, x for a taxel."""
+    """Blocks of the regression by channel, the force first, then the taxels. Columns: (offsets, one per session,) (a - g,) v, x for the
+    force; (offsets,) v, x for a taxel."""
     channels: list[list[Block]] = [[] for _ in range(shape.force + shape.taxels)]
     for i, s in enumerate(sessions):
         v, x, a, g = s.columns(recovery).T
@@ -189,7 +190,7 @@ def _blocks(sessions: list[Session], shape: Shape, recovery: float | None) -> li
 
 
 def theta_of(regression: Regression, shape: Shape) -> Callable[[np.ndarray], np.ndarray]:
-    """What makes m, b1, k1, b2, k2, shares of all coefficients, one channel after the other."""
+    """A function from all coefficients, channel by channel, to (m, b1, k1, b2, k2, shares)."""
     ends = np.cumsum([c.size for c in regression.coefficients])
     weights = weights_of(np.array(regression.noise[len(regression.noise) - shape.taxels :]))
     metric = metric_of(regression.inverses[-1][-2:, -2:])
@@ -250,13 +251,13 @@ def _of_negative(taxel: int, share: float) -> str:
 
 
 def _placed(shares: list[float], shape: Shape) -> tuple[float, ...]:
-    """The shares of all taxels, those that take no part silent; none where there is no taxel to be fitted."""
+    """The shares of all taxels, 0 for those that take no part; empty where no taxel is fitted."""
     known = dict(zip(shape.live, shares, strict=True))
     return tuple(max(0.0, known.get(i, 0.0)) for i in range(shape.total)) if shape.live else ()
 
 
 def _with_silent(covariance: np.ndarray, shape: Shape) -> np.ndarray:
-    """The covariance (P, P) with rows of zeros for taxels that take no part."""
+    """The covariance (P, P) with rows and columns of zeros inserted for taxels that take no part."""
     before = len(covariance) - shape.taxels
     count = before + (shape.total if shape.live else 0)
     out = np.zeros((count, count))

@@ -1,4 +1,4 @@
-"""What can be wrong with a fit."""
+"""The error that fits raise."""
 
 from skin_models.errors import SkinError
 

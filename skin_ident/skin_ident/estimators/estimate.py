@@ -1,4 +1,4 @@
-"""What every estimator returns: values, an honest covariance, and a verdict per parameter."""
+"""What every estimator returns: values, a realistic covariance, and a verdict per parameter."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -15,13 +15,13 @@ NOT_IDENTIFIABLE = "not identifiable"
 AT_BOUND = "at its bound"
 FIXED = "fixed"
 POOR = 0.9  # R² below which a fit is called poor
-SILENT = 0.1  # R² below which next to nothing is explained
-SHOWN = 8  # channels that are named in one sentence
+SILENT = 0.1  # R² below which a channel is reported as hardly explained at all
+SHOWN = 8  # most channels that are named in one sentence
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether a parameter may be believed: one of the words above, and the sentence that says why."""
+    """Whether a parameter can be trusted: one of the words above, and a sentence that says why."""
 
     word: str
     sentence: str
@@ -29,10 +29,10 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Residual:
-    """What a fit leaves of one channel.
+    """The residual of one channel.
 
-    rmse (N) over the fitted samples, low-passed as fitted; r2; relative_mse = mean squared error / mean square of what was measured,
-    which is what the thesis's pairs of MSE and relative MSE imply (section 4.3.2); ar: coefficients of the noise model
+    rmse (N) over the fitted samples, low-passed as fitted; r2; relative_mse = mean squared error / mean square of the measurement, which is
+    what the thesis's pairs of MSE and relative MSE imply (section 4.3.2); ar: coefficients of the noise model
     e[n] = sum ar[i] e[n-1-i] + w[n]; noise: std of w.
     """
 
@@ -52,7 +52,7 @@ class Residual:
 
 
 def complaints(residuals: Mapping[str, Residual]) -> list[str]:
-    """A warning for every channel of which the model explains little; those of which it explains next to nothing share one."""
+    """A warning for every channel of which the model explains little; channels of which it explains hardly anything share one warning."""
     silent = [name for name, r in residuals.items() if r.r2 < SILENT]
     if len(silent) < 2:
         return [w for name, r in residuals.items() for w in r.complaint(name)]
@@ -63,12 +63,12 @@ def complaints(residuals: Mapping[str, Residual]) -> list[str]:
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """A fit. `model` is None where only ratios can be had, from force to force.
+    """The result of a fit. `model` is None for a fit from force to force, which only gives ratios of parameters.
 
     `parameters` and the rows of `covariance` (P, P) are in the same order; a fixed parameter has zero variance.
 
     `contributions[p][channel]` is the rms in newtons of the term that p multiplies. `condition` is that of the normal matrix with its
-    columns scaled to unit length. `dof` counts the effective degrees of freedom behind the covariance.
+    columns scaled to unit length. `dof` is the effective number of degrees of freedom of the covariance.
     """
 
     method: str
@@ -97,12 +97,12 @@ class Estimate:
 
     @property
     def correlations(self) -> np.ndarray:
-        """Correlation matrix (P, P) of the parameters; 0 beside the diagonal for fixed ones."""
+        """Correlation matrix (P, P) of the parameters; fixed ones have zeros off the diagonal."""
         size = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
         scale = np.where(size > 0, size, 1.0)
         return self.covariance / np.outer(scale, scale) + np.diag((size == 0).astype(float))
 
     def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
-        """The interval that holds the truth in `level` of all repetitions, from Student's t with `dof`."""
+        """The confidence interval of a parameter at `level`, from Student's t with `dof` degrees of freedom."""
         half = stdtrit(self.dof, 0.5 + level / 2) * self.std[name]
         return self.values[name] - half, self.values[name] + half

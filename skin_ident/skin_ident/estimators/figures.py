@@ -1,8 +1,8 @@
-"""Numbers for a person at a terminal: as many digits as the uncertainty allows, and no exponent where none is needed."""
+"""Numbers printed for a terminal: as many digits as the uncertainty allows, and no exponent where none is needed."""
 
 import math
 
-LARGEST, SMALLEST = 1e7, 1e-4  # beyond these an exponent reads better
+LARGEST, SMALLEST = 1e7, 1e-4  # numbers outside this range are printed with an exponent
 
 
 def figures(value: float, digits: int = 2) -> str:

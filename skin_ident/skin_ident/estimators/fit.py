@@ -1,4 +1,4 @@
-"""One call for all fits: what the recordings are decides which estimator is taken, `Options` the rest."""
+"""One call for all fits: the kind of recordings decides which estimator is used, `Options` decides the rest."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,15 +14,15 @@ from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.repeated import without_repeats
 from skin_models.signals import Motion
 
-HEAVY = 1e3  # kg, which no skin has
+HEAVY = 1e3  # kg, more than any skin has
 MEASURED, SINUSOID = "measured", "sinusoid"
 
 
 @dataclass(frozen=True)
 class Options:
-    """`mass`: free, fixed (see `known_mass`), or kg; `thickness_mm` for the fixed mass; `motion` as measured or the sinusoid
-    fitted to it; `offsets`: a zero of every channel in every session; `order` of the transfer function from force to force; `loss`: one of
-    `robust.LOSSES`; `keep_spikes`: none is bridged.
+    """`mass`: free, fixed (see `known_mass`), or a number in kg; `thickness_mm`: of the skin, for the fixed mass; `motion`: as measured, or
+    the sinusoid fitted to it; `offsets`: fit a zero offset per channel and session; `order`: of the transfer function from force to force;
+    `loss`: one of `robust.LOSSES`; `keep_spikes`: do not bridge spikes.
     """
 
     mass: str = FIXED
@@ -34,13 +34,13 @@ class Options:
     keep_spikes: bool = False
 
     def of(self, recordings: Sequence[Recording]) -> list[Recording]:
-        """The recordings as they are to be fitted: each measurement once, and with its spikes where these are to be kept."""
+        """The recordings to fit: without repeated ones, and marked to keep their spikes if `keep_spikes`."""
         once = without_repeats(recordings)
         return [replace(r, keeps_spikes=True) for r in once] if self.keep_spikes else once
 
 
 def fit_recordings(recordings: Sequence[Recording], options: Options = Options()) -> Estimate:
-    """The dispersion model of all sessions together; from force to force where none of them has a depth. Raises `FitError`.
+    """The dispersion model fitted to all sessions together; from force to force where none of them has a depth. Raises `FitError`.
 
     A session that is given twice counts once.
     """
@@ -48,7 +48,7 @@ def fit_recordings(recordings: Sequence[Recording], options: Options = Options()
 
 
 def fit_prepared(recordings: Sequence[Recording], options: Options) -> Estimate:
-    """The same of recordings that `Options.of` has made ready."""
+    """The same for recordings that `Options.of` has prepared."""
     if all(r.depth is None for r in recordings):
         return fit_force_to_force(recordings, options.order, loss=options.loss)
     known = held_mass(options, recordings)
@@ -85,7 +85,7 @@ def mass_of(options: Options, recordings: Sequence[Recording]) -> float | str:
 
 
 def held_mass(options: Options, recordings: Sequence[Recording]) -> KnownMass | None:
-    """The mass that is held, and where it is from; None where it is free. Raises `FitError` for a text that is no mass."""
+    """The mass that is held, and its source; None where it is free. Raises `FitError` for a text that is no mass."""
     check(options)
     if options.mass in (FREE, FIXED):
         return None if options.mass == FREE else known_mass(recordings[0].declared, options.thickness_mm)

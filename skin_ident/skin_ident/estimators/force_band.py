@@ -1,10 +1,10 @@
-"""A transfer function between two measured forces: estimated in the band of the motion, where the input's own noise does least harm.
+"""A transfer function between two measured forces, estimated in the band of the motion, where noise of the input does least harm.
 
-Output error takes the input for exact. The load cell is not: its noise, simulated through the model, asks for less gain where there is
-nothing but noise, and on a slow motion that pull outweighs what the data say (lead and lag came out at a tenth). So both forces go
-through one low-pass first, which leaves a linear relation as it is; what the pull may still come to within the band is added to the
-covariance. The rest of that is as in `regression`, with the noise's colour estimated over a wider band: the sensitivities of the simulation
-are its columns.
+The output error method treats the input as exact, but the load cell has noise. Simulated through the model, that noise asks for less gain
+at frequencies where there is nothing but noise. On a slow motion this bias outweighs the data (lead and lag came out at a tenth). So both
+forces pass the same low-pass first, which does not change a linear relation. The bias that may remain within the band is added to the
+covariance. The rest of the covariance is computed as in `regression`, with the colour of the noise estimated over a wider band; the
+sensitivities of the simulation are the regressors.
 Source: T. Söderström, Automatica 43 (2007) 939, for errors in the input.
 """
 
@@ -22,13 +22,13 @@ from skin_ident.estimators.transfer_data import Pair, lags, through
 from skin_ident.estimators.transfer_fit import TransferFit, unweighted
 from skin_ident.estimators.transfer_function import TransferFunction, derivatives
 
-BINS = 2000  # of frequency
+BINS = 2000  # frequencies of numerical integrals
 
 
 def fit_in_band(pairs: Sequence[Pair], poles: int, offset: bool, loss: str = LINEAR) -> tuple[TransferFit, Tamed | None]:
-    """One zero and `poles` poles over all sessions; `offset` gives each a constant of its own. Raises `FitError`.
+    """A transfer function with one zero and `poles` poles, fitted to all sessions; `offset` fits a constant per session. Raises `FitError`.
 
-    With a loss other than least squares, what became of the output comes with the fit.
+    With a loss other than least squares, the output as it was fitted (see `Tamed`) is returned too, else None.
     """
     return robustly(pairs, lambda tamed: _fitted(tamed, poles, offset), offset, loss)
 
@@ -39,13 +39,13 @@ def _fitted(pairs: Sequence[Pair], poles: int, offset: bool) -> TransferFit:
     fit = regress([[_block(p, q, f, offset, i, len(pairs)) for i, (p, q) in enumerate(zip(pairs, prefilters, strict=True))]])
     count = f.theta.size
     pull = fit.inverses[0][-count:, -count:] @ sum(_pull(e.size, q, f, fit) for e, q in zip(fit.residuals[0], prefilters, strict=True))
-    covariance = fit.covariance[-count:, -count:] + np.outer(pull, pull) / 3.0  # any share of the noise may be the input's
+    covariance = fit.covariance[-count:, -count:] + np.outer(pull, pull) / 3.0  # variance of a bias whose share (0 to 1) is unknown
     measured = [oaconvolve(q.rows(p.y), q.kernel, mode="valid") for p, q in zip(pairs, prefilters, strict=True)]
     return TransferFit(f, covariance, fit.residuals[0], fit.ar[0], fit.noise[0], fit.dof, rounds, converged, measured)
 
 
 def _pull(rows: int, prefilter: Prefilter, f: TransferFunction, fit: Regression) -> np.ndarray:
-    """Half the slope (P,) of what the input's noise adds to the squared error within the band, were all the noise the input's."""
+    """Half the gradient (P,) by theta of what noise of the input adds to the squared error in the band, if all noise were the input's."""
     turns = np.linspace(0.0, np.pi, BINS)
     passed = np.abs(np.exp(-1j * np.outer(turns, np.arange(prefilter.kernel.size))) @ prefilter.kernel) ** 2
     colour = np.abs(1.0 - np.exp(-1j * np.outer(turns, np.arange(1, fit.ar[0].size + 1))) @ fit.ar[0]) ** 2
@@ -56,15 +56,15 @@ def _pull(rows: int, prefilter: Prefilter, f: TransferFunction, fit: Regression)
 
 
 def _in_band(p: Pair, prefilter: Prefilter) -> Pair:
-    """The same pair at full rate, without what lies above the band, and without the ends that the low-pass takes."""
+    """The pair through the low-pass of the band, at full rate, without the ends that the filter spoils."""
     kernel = low_pass(prefilter.edge, p.dt, 1.5)
     return replace(p, u=oaconvolve(p.u, kernel, mode="valid"), y=oaconvolve(p.y, kernel, mode="valid"))
 
 
 def _block(p: Pair, prefilter: Prefilter, f: TransferFunction, offset: bool, session: int, sessions: int) -> Block:
-    """What the simulation leaves of the output, and its sensitivities: a constant for every session, then theta.
+    """The residual of the simulation, with its sensitivities as columns: (one constant per session,) then theta.
 
-    How a session came to rest is over before the low-pass lets anything through.
+    The transient from the unknown initial state needs no column: it has died out before the low-pass yields its first sample.
     """
     model, slopes = _sensitivities(f, p)
     constants = np.zeros((sessions * offset, p.u.size))

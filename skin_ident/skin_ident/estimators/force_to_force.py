@@ -2,8 +2,9 @@
 
     taxel(s) / force(s) = (b1 s + k1) / (m s^2 + (b1 + b2) s + (k1 + k2))
 
-Only ratios can be had. Order 2 gives those of the thesis, everything over m. Order 1 leaves the mass out, which for a gram of skin is
-what the data can support: the static share k1 / (k1 + k2), and the times b1 / k1 (lead) and (b1 + b2) / (k1 + k2) (lag).
+Only ratios of the parameters can be identified. Order 2 gives those of the thesis, each parameter over m. Order 1 leaves out the mass, and
+for a gram of skin that is all that the data support: the static share k1 / (k1 + k2), and the times b1 / k1 (lead) and
+(b1 + b2) / (k1 + k2) (lag).
 """
 
 from collections.abc import Callable, Sequence
@@ -30,10 +31,10 @@ FIRST = (
     ("lead", "s", "b1 / k1"),
     ("lag", "s", "(b1 + b2) / (k1 + k2)"),
 )
-CHANCE = 6.63  # 1 % of chi-square with one degree of freedom
+CHANCE = 6.63  # 99th percentile of chi-square with one degree of freedom
 OVERDONE = "a function of order 1 explains these data as well, so they do not tell what the mass does: take order 1"
-SHORTEST = 40  # samples of a stretch that may be believed
-RELATED = 0.7  # correlation from which a slope between two channels means something
+SHORTEST = 40  # samples of the shortest stretch that is fitted
+RELATED = 0.7  # least correlation of two channels for a meaningful slope
 SECOND = (("b1_over_m", "1/s", ""), ("k1_over_m", "1/s^2", ""), ("b2_over_m", "1/s", ""), ("k2_over_m", "1/s^2", ""))
 
 
@@ -42,8 +43,8 @@ def fit_force_to_force(
 ) -> Estimate:
     """One transfer function from the load cell to a taxel (the strongest, if none is named), over all sessions. Raises `FitError`.
 
-    `offset` gives every session a constant of its own; None does so for a taxel in volts, whose zero is not known. `loss`, one of
-    `robust.LOSSES`, is that of the taxel's residual: spikes of the load cell go through the model, and only telemetry finds them.
+    `offset` fits a constant per session; None does so for a taxel in volts, whose zero is unknown. `loss`, one of `robust.LOSSES`, applies
+    to the taxel's residual. It does not help against spikes of the load cell, which pass through the model: only telemetry finds those.
     """
     if order not in (1, 2):
         raise FitError(f"the order is 1 (without mass) or 2 (thesis eq 32), not {order}")
@@ -68,20 +69,21 @@ def fit_force_to_force(
 
 
 def _better(fit: TransferFit, pairs: Sequence[Pair], how: tuple[bool, str]) -> bool:
-    """Whether the second pole leaves less than chance would; without that, it is anywhere, and takes the others with it."""
+    """Whether a second pole lowers the residual significantly. If it does not, its place is arbitrary, and so are the other
+    coefficients."""
     try:
         simple, _ = fit_in_band(pairs, 1, *how)
     except FitError:
         return True
     filters = prefilters_for([(p.u, p.dt) for p in pairs])
     rows = sum(e.size * min(1.0, 2.0 * q.edge * q.dt * q.every) for e, q in zip(fit.residuals, filters, strict=True))
-    rows = max(2.0, min(rows, fit.dof))  # that are independent of each other
+    rows = max(2.0, min(rows, fit.dof))  # number of independent rows
     left = [max(sum(float(e @ e) for e in f.residuals), 1e-300) for f in (simple, fit)]
     return rows * float(np.log(left[0] / left[1])) > max(CHANCE, np.log(rows))
 
 
 def _pairs(r: Recording, index: int, good: np.ndarray) -> list[Pair]:
-    """The stretches of a recording that may be believed. Raises `FitError` where there is none."""
+    """The stretches of a recording in which all samples are trusted. Raises `FitError` where there is none."""
     parts = stretches(good, SHORTEST)
     if not parts:
         raise FitError(f"{r.name}: no stretch of it is long and good enough to be fitted{because(r)}")
@@ -90,7 +92,7 @@ def _pairs(r: Recording, index: int, good: np.ndarray) -> list[Pair]:
 
 
 def _plausible(pairs: Sequence[Pair], unit: str) -> None:
-    """Raises `FitError` where the taxel does what none does."""
+    """Raises `FitError` for a taxel that never changes, falls under load, or feels an implausible share of the force."""
     u, y = (np.concatenate([getattr(p, name) - getattr(p, name).mean() for p in pairs]) for name in "uy")
     if not y.any():
         raise FitError(f"{pairs[0].name}: no taxel ever changes: they are dead")
@@ -105,7 +107,7 @@ def _plausible(pairs: Sequence[Pair], unit: str) -> None:
 
 
 def _strongest(r: Recording, good: np.ndarray) -> int:
-    """The taxel that follows the force most, in samples that may be believed; ranges would be those of spikes and clipping."""
+    """The taxel with the largest covariance with the force, over trusted samples. (Its range would depend on spikes and clipping.)"""
     u = (r.force - r.force[good].mean()) * good if good.any() else r.force
     return int(np.argmax(np.abs(r.taxels @ u)))
 
@@ -156,7 +158,7 @@ def _residual(fit: TransferFit, unit: str) -> Residual:
 
 
 def _judged(parameters: Sequence[Parameter], std: np.ndarray, reason: str) -> dict[str, Verdict]:
-    """Verdicts by parameter; nothing is claimed where there is a reason not to."""
+    """Verdicts by parameter; all are not identifiable where a `reason` is given."""
     if reason:
         return {p.name: Verdict(NOT_IDENTIFIABLE, reason) for p in parameters}
     return {p.name: _verdict(p, float(s)) for p, s in zip(parameters, std, strict=True)}

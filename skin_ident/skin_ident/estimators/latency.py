@@ -1,9 +1,10 @@
-"""By how much each channel comes later than the depth, with a standard error: converters, filters and drivers delay, each in its own way.
+"""The latency of each channel behind the depth, with a standard error. Converters, filters and drivers all cause delays.
 
     y(t) = b v(t - d) + k x(t - d) + …,     the column that belongs to d is  -(b a + k v)
 
-fitted by Gauss and Newton beside the model's own columns. On a slow sine it looks like a lower damping, b - k d: the standard error says
-so. A delay common to force and taxels is a matter of the encoder; relaxation of the skin, which the model lacks, may look like one.
+The delay d is fitted by Gauss-Newton together with the model's own columns. On a slow sine it cannot be told from a lower damping, b - k d;
+the standard error is then large. A delay common to force and taxels comes from the encoder. Relaxation of the skin, which the model lacks,
+may look like a delay.
 """
 
 from collections.abc import Sequence
@@ -19,22 +20,22 @@ from skin_ident.estimators.regression import Block, regress
 from skin_ident.estimators.sessions import Session, prepare
 from skin_ident.recordings.recording import Recording
 
-ROUNDS = 12
-CLOSE = 1e-3  # of its standard error: a step below this changes nothing
-MOST = 7  # taxels that are looked at; the rest have the same electronics
+ROUNDS = 12  # Gauss-Newton steps at most
+CLOSE = 1e-3  # standard errors: a smaller step ends the iteration
+MOST = 7  # taxels that are examined; the others have the same electronics
 SURE = 4.0  # standard errors, and
-LEAST = 0.25  # of a sampling period, from which a delay is said to be there
+LEAST = 0.25  # share of a sampling period, that a delay must exceed to be reported
 
 
 @dataclass(frozen=True)
 class Latency:
-    """Seconds behind the depth, and their standard error; infinite where this motion does not tell."""
+    """Delay behind the depth, s, and its standard error, which is infinite where this motion does not identify the delay."""
 
     seconds: float
     std: float
 
     def warning(self, channel: str, period: float) -> list[str]:
-        """A sentence where it is there beyond doubt and matters."""
+        """A sentence where the delay is significant (SURE) and large enough to matter (LEAST)."""
         if abs(self.seconds) <= max(SURE * self.std, LEAST * period):
             return []
         when, what = ("later", "lower") if self.seconds > 0 else ("earlier", "higher")
@@ -46,7 +47,7 @@ UNKNOWN = Latency(0.0, float("inf"))
 
 
 def latencies(recordings: Sequence[Recording], mass: float | str = 0.0) -> dict[str, Latency]:
-    """The latency of every channel (of the few that feel most) over all sessions. Raises `FitError` as `fit_dispersion` does."""
+    """The latency of the load cell and of the MOST taxels that feel most, over all sessions. Raises `FitError` as `fit_dispersion` does."""
     felt = _strongest(recordings)
     sessions, _ = prepare([r.with_taxels(felt, spread=None) for r in recordings])
     shape = shape_of(sessions, mass, False)
@@ -57,7 +58,7 @@ def latencies(recordings: Sequence[Recording], mass: float | str = 0.0) -> dict[
 
 
 def _strongest(recordings: Sequence[Recording]) -> list[int]:
-    """The taxels that follow the depth most."""
+    """The taxels with the largest covariance with the depth."""
     follow = sum((np.abs(r.taxels @ (r.depth - r.depth.mean())) for r in recordings if r.depth is not None), np.zeros(1))
     return sorted(np.argsort(-follow, kind="stable")[:MOST].tolist()) if follow.size > 1 else list(range(len(recordings[0].taxels)))
 
@@ -80,7 +81,7 @@ def _of_channel(sessions: list[Session], shape: Shape, c: int, recovery: float) 
 
 
 def _step(sessions: list[Session], shape: Shape, c: int, recovery: float, seconds: float, pair: np.ndarray | None):
-    """By how much the latency is still wrong, its standard error, and (b, k) as they are fitted beside it."""
+    """One Gauss-Newton step of the latency, its standard error, and the (b, k) fitted with it. `pair` is (b, k) of the step before."""
     blocks = []
     for s in sessions:
         later = _delayed(s, seconds)
@@ -98,7 +99,7 @@ def _step(sessions: list[Session], shape: Shape, c: int, recovery: float, second
 
 
 def _delayed(s: Session, seconds: float) -> Session:
-    """The session with its motion `seconds` later."""
+    """The session with its motion delayed by `seconds`."""
     t = s.motion.t
     moved = {name: np.interp(t - seconds, t, getattr(s.motion, name)) for name in "xva"}
     return replace(s, motion=replace(s.motion, **moved))

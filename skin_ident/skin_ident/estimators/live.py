@@ -1,4 +1,4 @@
-"""Samples as they arrive, put together by their stamps and fed to the recursive estimator; counts what is late, lost or not a number."""
+"""Combines samples by their stamps as they arrive, feeds them to the recursive estimator, and counts what is late, lost or not a number."""
 
 from dataclasses import dataclass, field, replace
 
@@ -7,17 +7,18 @@ import numpy as np
 from skin_ident.estimators import recursive
 from skin_ident.estimators.recursive import Live, Memory, State
 
-LEARN = 20  # samples from which rate and taxels are learnt
-KEEP = 4000  # samples that wait for their partners, at most
-LOST = 10.5  # periods: a longer pause starts the filter anew
+LEARN = 20  # samples from which sampling period and number of taxels are learnt
+KEEP = 4000  # most samples of a topic that wait for those of the other topics
+LOST = 10.5  # periods: after a longer pause the filter starts anew
 LONG_AGO = 10**12  # ns
-FARTHEST, STRONGEST = 10.0, 1e5  # m, N: what exceeds these is no measurement
+FARTHEST, STRONGEST = 10.0, 1e5  # m, N: larger values are invalid
 
 
 @dataclass(frozen=True)
 class Health:
-    """Since the last look: rate (Hz), jitter of the stamps (s, std), samples used, without a partner, not finite; pauses; taxels that send
-    no numbers; topics that were learnt and sent nothing. And samples used ever.
+    """The state of the input since the last update: rate (Hz), jitter of the stamps (s, std), samples that were used, left `alone` (without
+    partners in the other topics) or `invalid`, pauses, taxels that sent no numbers (`silent`), and known topics that sent nothing
+    (`unheard`). `used_ever` counts the samples used since the beginning.
     """
 
     rate: float = 0.0
@@ -33,7 +34,7 @@ class Health:
 
 @dataclass
 class LiveFit:
-    """`offer` every message, then `update` now and then. Not for several threads."""
+    """Call `offer` for every message, and `update` from time to time. Not thread-safe."""
 
     window: float
     cutoff: float
@@ -44,17 +45,17 @@ class LiveFit:
     newest: int = 0  # ns
     health: Health = field(default_factory=Health)
     _heard: dict[str, dict[int, np.ndarray]] = field(default_factory=lambda: {"encoder": {}, "force": {}, "taxels": {}})
-    _offered: set[str] = field(default_factory=set)  # topics that sent something since the last look
+    _offered: set[str] = field(default_factory=set)  # topics that sent something since the last update
     _rows: list[np.ndarray] = field(default_factory=list)
     _last: np.ndarray | None = None
     _seen: int = 0
     _dropped: int = 0
-    _left_out: int = 0  # messages of a topic that was silent when the others were learnt
-    _behind: int = 0  # samples in a row that bear older stamps than the newest
-    _odd: int = 0  # samples in a row of another number of taxels
+    _left_out: int = 0  # messages of a topic that had sent nothing when the others were learnt
+    _behind: int = 0  # consecutive samples with stamps older than the newest
+    _odd: int = 0  # consecutive samples with another number of taxels
 
     def offer(self, role: str, stamp_ns: int, values: np.ndarray) -> None:
-        """One message of encoder (1,) m, force (1,) N or taxels (T,) N."""
+        """Take one message of the encoder ((1,), m), the force ((1,), N) or the taxels ((T,), N)."""
         self._left_out += self.memory is not None and role not in self._roles
         self._offered.add(role)
         waiting = self._heard[role]
@@ -64,7 +65,7 @@ class LiveFit:
             self._dropped += role == "encoder"
 
     def update(self) -> Live | None:
-        """Take in what is complete; the estimate now, or None where it is too early or nothing moves."""
+        """Process all complete samples, and return the current estimate, or None where it is too early or nothing moves."""
         unheard = () if self.memory is None else tuple(role for role in self._roles if role not in self._offered)
         self.health = replace(self.health, rate=0.0, jitter=0.0, used=0, alone=self._dropped, invalid=0, pauses=0, unheard=unheard)
         self._dropped = 0
@@ -77,11 +78,11 @@ class LiveFit:
         return self.live
 
     def _complete(self) -> list[tuple[int, np.ndarray]]:
-        """Samples of one stamp from every topic that speaks, in the order of time, as (stamp, values)."""
+        """Samples (stamp, values) whose stamp all sending topics share, in the order of time."""
         speaking = [role for role, heard in self._heard.items() if heard]
         if "encoder" not in speaking or len(speaking) < 2 or min(len(self._heard[r]) for r in speaking) < 2:
             return []
-        if self._left_out >= LEARN:  # a topic that was discovered late: begin again with it
+        if self._left_out >= LEARN:  # a topic that was discovered late: start anew with it
             self.memory = self.state = self.live = self._last = None
             self._left_out = 0
         if self.memory is not None:
@@ -107,7 +108,7 @@ class LiveFit:
                 self._seen = len(late)
 
     def _learnt(self, rows: list[tuple[int, np.ndarray]], speaking: list[str]) -> list[tuple[int, np.ndarray]]:
-        """On first sight: sampling period and number of taxels. Later: only the rows that have as many."""
+        """Learn sampling period and number of taxels from the first samples; return the rows of that width that are newer than the last."""
         if self._odd >= LEARN:  # another array, or the first message was not like the others
             self.memory = self.state = self.live = self._last = None
         if self.memory is None:
@@ -123,7 +124,7 @@ class LiveFit:
         rows = alike
         fitting = [(stamp, row) for stamp, row in rows if stamp > self.newest]
         self._behind = 0 if fitting else self._behind + len(rows)
-        if self._behind >= LEARN:  # the clock was set back, as where a bag is played again, or one stamp came from the future
+        if self._behind >= LEARN:  # the clock was set back, as when a bag is replayed, or one stamp was in the future
             fitting, self.newest, self._behind = rows, rows[0][0] - LONG_AGO, 0
         self.health = replace(self.health, alone=self.health.alone + self._seen - len(fitting))
         return fitting
@@ -154,7 +155,7 @@ class LiveFit:
         )
 
     def _after(self, stamp: int, value: np.ndarray) -> bool:
-        """Queue one sample; short losses are interpolated, a pause starts the filter anew (True)."""
+        """Queue one sample, with short losses before it interpolated. Returns True after a pause, where the filter starts anew."""
         steps = (stamp - self.newest) * 1e-9 / self.memory.dt if self.newest else 1.0
         paused = steps > LOST
         if paused:

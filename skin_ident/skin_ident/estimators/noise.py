@@ -1,10 +1,10 @@
-"""Coloured noise: an autoregressive model of the residual, and what it does to the covariance of least squares.
+"""Coloured noise: an autoregressive model of the residual, and its effect on the covariance of least squares.
 
 With e = A(q)^-1 w, w white of variance s2, ordinary least squares has the covariance
 
     P (H' Omega H) P,     P = (H'H)^-1,     H' Omega H = s2 || A(q^-1)^-1 H ||^2
 
-so that one backward recursion per column replaces the (N, N) matrix Omega.
+where Omega is the covariance of e. One backward recursion per column replaces the (N, N) matrix Omega.
 Source: E. J. Hannan, Multiple Time Series, Wiley 1970, ch. VII; order by BIC, G. Schwarz, Ann. Statist. 6 (1978).
 """
 
@@ -17,21 +17,21 @@ from scipy.signal import lfilter
 def fit_ar(residuals: Sequence[np.ndarray], lost: int = 0) -> tuple[np.ndarray, float]:
     """Coefficients a of e[n] = sum a[i] e[n-1-i] + w[n] and the std of w, pooled over sessions.
 
-    `residuals` are arrays (N_s,), their mean kept; `lost` is the number of parameters already taken out of them. Yule and Walker's
-    equations, which always give a stable model; the order minimises BIC.
+    `residuals` are arrays (N_s,), whose means are not subtracted; `lost` is the number of parameters that were fitted to get them. The
+    Yule-Walker equations always give a stable model; the order minimises BIC.
     """
     products = lagged_products(residuals, residuals, highest_order(residuals))
     return from_products(products, sum(e.size for e in residuals), lost)
 
 
 def highest_order(residuals: Sequence[np.ndarray]) -> int:
-    """The highest order that so many samples can support."""
+    """The highest AR order that so many samples support."""
     n = sum(e.size for e in residuals)
     return int(min(30, max(1, n // 20), max(e.size for e in residuals) - 1))
 
 
 def lagged_products(a: Sequence[np.ndarray], b: Sequence[np.ndarray], top: int) -> np.ndarray:
-    """sum of a[n] b[n - k] over samples, columns and sessions, for k = 0 … top."""
+    """The sums of a[n] b[n - k] over samples, columns and sessions, for k = 0 … top."""
     pairs = list(zip(a, b, strict=True))
     return np.array([sum(float(np.vdot(x[k:], y[: len(y) - k])) for x, y in pairs if len(x) > k) for k in range(top + 1)])
 
@@ -45,7 +45,8 @@ def from_products(products: np.ndarray, n: int, lost: int) -> tuple[np.ndarray, 
 
 
 def _unshrunk(ar: np.ndarray, n: int) -> np.ndarray:
-    """Poles moved outwards by as much as Yule and Walker's equations draw them in on average: 3 / n of their radius, exact for order 1.
+    """The model with its poles moved outwards, by as much as the Yule-Walker equations shrink them on average: 3 / n of their radius, which
+    is exact for order 1.
 
     Source: P. Shaman, R. A. Stine, J. Amer. Statist. Assoc. 83 (1988) 842.
     """
@@ -57,7 +58,7 @@ def _unshrunk(ar: np.ndarray, n: int) -> np.ndarray:
 
 
 def _best_order(gamma: np.ndarray, n: int) -> tuple[np.ndarray, float]:
-    """Levinson's recursion, keeping the order with the lowest BIC."""
+    """AR coefficients and std of the innovations at the order with the lowest BIC, by Levinson's recursion."""
     a, variance = np.empty(0), gamma[0]
     best = (n * np.log(variance), a, variance)
     for p in range(1, gamma.size):
@@ -73,7 +74,7 @@ def _best_order(gamma: np.ndarray, n: int) -> tuple[np.ndarray, float]:
 
 
 def coloured(columns: np.ndarray, ar: np.ndarray) -> np.ndarray:
-    """A(q^-1)^-1 H for one session's columns (N, P), last sample first: the recursion runs on before the session until it has died."""
+    """A(q^-1)^-1 H for one session's columns (N, P), last sample first. The recursion continues before the session until it has decayed."""
     if not ar.size:
         return columns[::-1]
     tail = np.zeros((_memory(ar), columns.shape[1]))
@@ -81,7 +82,7 @@ def coloured(columns: np.ndarray, ar: np.ndarray) -> np.ndarray:
 
 
 def _memory(ar: np.ndarray) -> int:
-    """Samples after which the noise has forgotten."""
+    """Samples after which the noise's correlation has decayed to 1e-3."""
     slowest = np.max(np.abs(np.roots(np.concatenate([[1.0], -ar]))), initial=0.0)
     return int(min(20000, np.ceil(np.log(1e-3) / np.log(min(max(slowest, 1e-3), 0.99999)))))
 
@@ -95,7 +96,7 @@ def spread(columns: np.ndarray, ar: np.ndarray, std: float) -> np.ndarray:
 
 
 def effective_samples(ar: np.ndarray, n: int) -> float:
-    """How many independent samples n correlated ones are worth for their variance (Bartlett)."""
+    """The number of independent samples whose variance is known as well as that of n correlated ones (Bartlett)."""
     if not ar.size:
         return float(n)
     gamma = autocovariance(ar, min(n, _memory(ar)))

@@ -1,7 +1,7 @@
-"""One low-pass for measured force and every regressor, at full rate, before decimating.
+"""One low-pass for measured force and every regressor, at full rate, before decimation.
 
-Filtering both sides of a linear equation with the same filter leaves its parameters untouched, takes out the noise above the motion, and
-lets the encoder's steps do no harm: filter one side only and a false delay appears.
+Filtering both sides of a linear equation with the same filter does not change its parameters. It removes noise above the band of the motion
+and makes the encoder's steps harmless. Filtering one side only would cause a false delay.
 """
 
 from collections.abc import Sequence
@@ -10,18 +10,18 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import firwin, oaconvolve, welch
 
-HEADROOM = 3.0  # cut-off over the highest frequency of the motion
-FLOOR = 6.0  # times the encoder's noise: what stands out by less is noise
-WIDER = 2.5  # the depth, from which speed and contact are taken, keeps this many times the band
-AROUND = 8.0  # the noise is looked at over this many times the band
+HEADROOM = 3.0  # ratio of the cut-off to the highest frequency of the motion
+FLOOR = 6.0  # times the encoder's noise floor: a weaker spectral line counts as noise
+WIDER = 2.5  # cut-off for the depth, from which speed and contact are computed, relative to `edge`
+AROUND = 8.0  # cut-off of the wide band, in which the noise is estimated, relative to `edge`
 
 
 @dataclass(frozen=True)
 class Prefilter:
     """Two centred (zero-phase) FIR low-passes in a row, for samples `dt` (s) apart.
 
-    The first, `AROUND` times wider than the band, is followed by decimation: its rows are what the noise is estimated from. The second
-    has the cut-off `edge` (Hz): parameters are estimated from what it leaves.
+    The first, `AROUND` times wider than the band, is followed by decimation; the noise is estimated from its output, the rows. The second
+    has the cut-off `edge` (Hz); the parameters are estimated from its output.
     """
 
     dt: float
@@ -34,7 +34,7 @@ class Prefilter:
 
     @property
     def every(self) -> int:
-        """Decimation. The rate that is left is little more than twice the first cut-off, so that white noise stays nearly white."""
+        """Decimation factor. The remaining rate is little more than twice the first cut-off, so that white noise stays nearly white."""
         return max(1, int(1.0 / (2.2 * self.wide * self.dt)))
 
     @property
@@ -43,19 +43,19 @@ class Prefilter:
         return low_pass(self.edge, self.dt * self.every, 1.5)
 
     def rows(self, y: np.ndarray) -> np.ndarray:
-        """The rows of y (..., N) through the first low-pass, without their ends, decimated."""
+        """y (..., N) through the first low-pass, without the ends, decimated."""
         if self.wide * self.dt >= 0.4:
             return y
         kernel = low_pass(self.wide, self.dt, 4.0).reshape((1,) * (y.ndim - 1) + (-1,))
         return oaconvolve(y, kernel, mode="valid", axes=-1)[..., :: self.every]
 
     def samples(self, rows: slice) -> slice:
-        """The samples that rows are made of."""
+        """The samples from which these rows are computed."""
         reach = 0 if self.wide * self.dt >= 0.4 else low_pass(self.wide, self.dt, 4.0).size - 1
         return slice(rows.start * self.every, (rows.stop - 1) * self.every + 1 + reach)
 
     def spread(self, gains: np.ndarray, size: int) -> np.ndarray:
-        """The transpose of `rows`: how much what depends on rows by gains (n, P) depends on each of `size` samples, (size, P)."""
+        """The transpose of `rows`: turns gains (n, P) per row into gains (size, P) per sample."""
         if self.wide * self.dt >= 0.4:
             return gains
         kernel = low_pass(self.wide, self.dt, 4.0)
@@ -64,7 +64,8 @@ class Prefilter:
         return oaconvolve(apart, kernel[:, None], mode="full", axes=0)
 
     def smooth(self, x: np.ndarray) -> np.ndarray:
-        """The depth (N,) low-passed above the band, its ends mirrored; so flat that nothing else needs the same."""
+        """The depth (N,) through a low-pass with a cut-off above the band, its ends mirrored. Its gain in the band is so close to 1 that
+        other signals need not pass the same filter."""
         edge = WIDER * self.edge
         if edge * self.dt >= 0.4:
             return x
@@ -72,12 +73,13 @@ class Prefilter:
         padded = np.pad(x, kernel.size - 1, mode="reflect", reflect_type="odd")
         once = oaconvolve(padded, kernel, mode="valid")
         half = kernel.size // 2
-        # what the filter took away goes through it again: a gain of G becomes 1 - (1 - G)^2, which is 1 in the band
+        # what the filter removed is filtered again and added: a gain of G becomes 1 - (1 - G)^2, which is 1 in the band
         return once[half:-half] + oaconvolve(padded[half:-half] - once, kernel, mode="valid")
 
 
 def prefilter_for(depths: Sequence[tuple[np.ndarray, float]]) -> Prefilter:
-    """A common low-pass for sessions (depth (N,) m, dt s) of one sampling rate: `HEADROOM` times the fastest motion, at most 0.2 / dt."""
+    """A common low-pass for sessions (depth (N,) m, dt s) of one sampling rate; its cut-off is `HEADROOM` times the fastest motion, at most
+    0.2 / dt."""
     dt = depths[0][1]
     shortest = min(x.size for x, _ in depths)
     slowest = 1.5 / (0.1 * shortest * dt)  # the kernel may take a tenth of a session at each end
@@ -86,7 +88,7 @@ def prefilter_for(depths: Sequence[tuple[np.ndarray, float]]) -> Prefilter:
 
 
 def prefilters_for(signals: Sequence[tuple[np.ndarray, float]]) -> list[Prefilter]:
-    """One low-pass for each signal (x (N,), dt s), all with the highest cut-off that any of them needs and all allow."""
+    """One low-pass for each signal (x (N,), dt s). All have one cut-off: the highest that any of them needs, if all rates allow it."""
     rates = [float(f"{dt:.3g}") for _, dt in signals]
     groups = {rate: [s for s, r in zip(signals, rates, strict=True) if r == rate] for rate in rates}
     each = {rate: prefilter_for(group) for rate, group in groups.items()}
@@ -95,9 +97,9 @@ def prefilters_for(signals: Sequence[tuple[np.ndarray, float]]) -> list[Prefilte
 
 
 def _highest_frequency(x: np.ndarray, dt: float) -> float:
-    """Hz below which lies 99.9 % of the speed's power, once the floor of the encoder's noise is taken off."""
+    """The frequency (Hz) below which 99.9 % of the speed's power lies, without spectral lines at the encoder's noise floor."""
     f, power = welch(np.diff(x) / dt, 1.0 / dt, nperseg=min(max(16, x.size // 8), 1024), detrend="constant")
-    response = np.maximum(2.0 * np.sin(np.pi * f * dt) / dt, 1e-9) ** 2  # of the difference: white noise in x comes out with this shape
+    response = np.maximum(2.0 * np.sin(np.pi * f * dt) / dt, 1e-9) ** 2  # of the difference: the spectrum that white noise in x gets
     floor = np.median((power / response)[f > 0.3 / dt])
     clean = np.where(power > FLOOR * floor * response, power, 0.0)
     if clean.sum() <= 0.0:

@@ -1,18 +1,20 @@
-"""Intervals by profile likelihood: how far each parameter can go while all others give way and the data stay as likely as chance allows.
+"""Confidence intervals by profile likelihood: the range over which a parameter can vary, with all others refitted, while the likelihood
+does not fall by more than chance allows.
 
-Every channel is whitened by its own noise model, rows y = H beta + e. With S the covariance of what is left of all channels together, the
-deviance is n log det S, and the interval of a parameter holds the values v for which
+Every channel is whitened by its own noise model; its rows are y = H beta + e. With S the covariance of the residuals of all channels
+together, the deviance is n log det S. The interval of a parameter holds the values v for which
 
     min over all others of  n log det S   -   n log det S at the best   <=   n log(1 + g t^2 / n)
 
-with t Student's quantile for so many samples as the noise's colour leaves independent. g is by how much the noise's variance, with what
-the fit has taken out of it put back, exceeds the diagonal of S: 1.01 for white noise, 1.05 for one that remembers a third of a second.
-Where shares, differences and offsets bend the likelihood the interval is lopsided, which a standard error cannot be.
+Here t is Student's quantile for the effective number of independent samples. g corrects for the noise that the fit has absorbed: the
+variance of the noise, corrected for that, over the diagonal of S (1.01 for white noise, 1.05 for noise correlated over a third of a
+second). Shares, differences and offsets make the likelihood asymmetric, and the interval with it, which a standard error cannot show.
 
-The estimate is that of least squares in the band of the motion, and the most likely values are others: by chance as long as the noise is
-such as its model says, and by far more where something beside noise is left, bursts or a cause that the model lacks. The interval is that
-of the estimate, its ends as far from it as from the most likely value, and whatever makes the estimate's variance larger than the
-likelihood's (that chance, converter steps, errors that repeat with the motion, which are in no likelihood) is added to either side.
+The estimate is that of least squares in the band of the motion, which differs from the most likely values: by chance as long as the noise
+follows its model, and by far more where the residual is more than noise (bursts, or a cause that the model lacks). The interval is placed
+about the estimate, with its ends as far from it as they are from the most likely value. Where the variance of the estimate is larger than
+that of the likelihood (by that chance, by converter steps, or by errors that repeat with the motion, which no likelihood contains), the
+difference is added on either side.
 Source: S. A. Murphy, A. W. van der Vaart, J. Amer. Statist. Assoc. 95 (2000) 449; A. Zellner, ibid. 57 (1962) 348, for the joint channels;
 J. A. Hausman, Econometrica 46 (1978) 1251, for the variance of the difference between two estimates.
 """
@@ -33,9 +35,9 @@ from skin_ident.estimators.transfer_data import whitened
 from skin_ident.recordings.recording import Recording
 from skin_models.signals import Motion
 
-INNER, OUTER = 12, 40  # rounds of letting the others give way, and of looking for the interval's end
-CLOSE = 1e-3  # of the way to the end
-EXACT = 1e-6  # of what is measured: noise below this is rounding
+INNER, OUTER = 12, 40  # most iterations for refitting the other parameters, and for finding the end of an interval
+CLOSE = 1e-3  # relative tolerance of the root of the deviance at the end of an interval
+EXACT = 1e-6  # share of a channel's rms below which its noise is only rounding
 DISPERSION = ("m", "b1", "k1", "b2", "k2")
 
 
@@ -50,14 +52,15 @@ def profile(
     offsets: bool = False,
     level: float = 0.95,
 ) -> Intervals:
-    """Intervals (low, high) about what `fit_dispersion` estimates, by the names of the parameters, SI. Raises `FitError` as that does."""
+    """Intervals (low, high) about the estimates of `fit_dispersion`, by parameter, SI. Raises `FitError` as that does, and for data
+    without noise."""
     sessions, _ = prepare(recordings, motions)
     shape = shape_of(sessions, mass, offsets)
     regression, blocks = settled(sessions, shape)
     to = theta_of(regression, shape)
     beta = np.concatenate(regression.coefficients)
     theta, slope = to(beta), jacobian(to, beta)
-    if shape.free and theta[0] < 0.0:  # as the estimate: none
+    if shape.free and theta[0] < 0.0:  # as `fit_dispersion` does: no mass
         return profile(recordings, 0.0, motions, offsets=offsets, level=level)
     if any(noise <= EXACT * np.sqrt(np.mean(np.square(np.concatenate(y)))) for noise, y in _noise_and_rows(regression)):
         raise FitError("these data are exact, or nearly so: without noise there is no likelihood; leave --profile out")
@@ -85,11 +88,11 @@ def _index(name: str, shape: Shape) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Likelihood:
-    """The products of all whitened rows, and where everything is.
+    """The likelihood of all whitened rows, by their Gram matrix.
 
-    `products`: the Gram matrix of (H_0, e_0, H_1, e_1, …), where e is what the coefficients `base` leave of y; `widths`: columns of each H;
-    `places`: parameters by name in the vector of all that is free: first the zeros of every channel, then m, b1, k1, b2, k2 as far as they
-    are free, then all shares but the strongest's.
+    `products`: the Gram matrix of (H_0, e_0, H_1, e_1, …), where e is the residual of y with the coefficients `base`; `widths`: number of
+    columns of each H; `places`: indices of the parameters in the vector phi of all free ones, which holds first the zero offsets of every
+    channel, then m, b1, k1, b2, k2 as far as they are free, then all shares but the strongest.
     """
 
     products: np.ndarray
@@ -100,7 +103,7 @@ class Likelihood:
     base: list[np.ndarray]
 
     def start(self, theta: np.ndarray, regression: Regression) -> np.ndarray:
-        """All that is free, at the values of least squares."""
+        """The vector phi of all free parameters, at the values of least squares."""
         zeros = [c[: self._zeros(i)] for i, c in enumerate(regression.coefficients)]
         return np.concatenate([*zeros, [theta[_index(name, self.shape)] for name in self.places]])
 
@@ -108,7 +111,7 @@ class Likelihood:
         return self.widths[channel] - 2 - (self.shape.free and channel == 0)
 
     def coefficients(self, phi: np.ndarray) -> list[np.ndarray]:
-        """What every channel's columns are multiplied by."""
+        """The coefficients of every channel's columns for the parameters phi."""
         v = {name: phi[at] for name, at in self.places.items()}
         first, out, used = np.array([v["b1"], v["k1"]]), [], 0
         rest = np.array([v.get("b2", 0.0), v.get("k2", 0.0)])
@@ -121,7 +124,7 @@ class Likelihood:
         return out
 
     def _ends(self, phi: np.ndarray) -> np.ndarray:
-        """What takes the model off the measured, for all channels side by side (columns of all, channels)."""
+        """A matrix (columns of all channels, channels) by which the stacked rows (H_0, e_0, …) give the residuals of all channels."""
         ends, at = np.zeros((len(self.products), len(self.widths))), 0
         for c, (beta, base) in enumerate(zip(self.coefficients(phi), self.base, strict=True)):
             ends[at : at + beta.size, c], ends[at + beta.size, c] = base - beta, 1.0
@@ -129,22 +132,22 @@ class Likelihood:
         return ends
 
     def deviance(self, phi: np.ndarray) -> float:
-        """n log det S."""
+        """The deviance n log det S."""
         ends = self._ends(phi)
         return self.rows * float(np.linalg.slogdet(self._left(ends))[1])
 
     def _left(self, ends: np.ndarray) -> np.ndarray:
-        """S (channels, channels)."""
+        """The residual covariance S (channels, channels)."""
         left = ends.T @ self.products @ ends / self.rows
         return left + np.diag(1e-12 * np.diag(left))
 
     def growth(self, phi: np.ndarray, regression: Regression) -> float:
-        """The root of g: standard deviation of the noise, as the regression knows it, over what is left at phi."""
+        """The root of g, at least 1: the standard deviation of the noise by the regression over that of the residual at phi."""
         left = np.diag(self._left(self._ends(phi)))
         return max(1.0, float(np.exp(0.5 * np.mean(np.log(np.square(regression.noise) / left)))))
 
     def at_its_best(self, phi: np.ndarray, held: int | None) -> np.ndarray:
-        """The most likely values while the one at `held` stays."""
+        """The most likely values with the parameter at index `held` fixed (None: with all free)."""
         free = np.array([i for i in range(phi.size) if i != held])
         for _ in range(INNER):
             normal, slope = self._normal(phi)
@@ -157,7 +160,7 @@ class Likelihood:
         return phi
 
     def _normal(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Gauss's normal matrix and the slope, with S as it is at phi."""
+        """The Gauss-Newton normal matrix and gradient at phi, with S taken as constant."""
         ends = self._ends(phi)
         weight = np.linalg.inv(self._left(ends))
         moves = -jacobian(lambda p: self._ends(p).ravel(), phi).reshape(*ends.shape, phi.size)  # (columns, channels, P)
@@ -166,11 +169,12 @@ class Likelihood:
         return np.einsum("adp,adq->pq", left, np.einsum("ab,bdq->adq", self.products, moves)), slope
 
     def covariance(self, best: np.ndarray) -> np.ndarray:
-        """That of all that is free, as far as the likelihood is a parabola."""
+        """The covariance of all free parameters, in the quadratic approximation of the likelihood."""
         return np.linalg.pinv(self._normal(best)[0], hermitian=True)
 
     def end(self, best: np.ndarray, place: int, side: float, quantile: float) -> float:
-        """Where the deviance has risen by as much as chance allows; infinite where it never does."""
+        """The value of a parameter, to one `side` of the best, at which the deviance has risen by as much as chance allows; infinite where
+        it never does."""
         spread = self.covariance(best)[:, place]
         lowest, n = self.deviance(best), self.rows
         wanted = np.sqrt(n * np.log1p(quantile**2 / n))
@@ -202,6 +206,6 @@ def _likelihood(blocks: list[list[Block]], regression: Regression, shape: Shape,
 
 
 def _white(block: Block, coefficients: np.ndarray, ar: np.ndarray, longest: int) -> np.ndarray:
-    """Columns and residual rows of one block through its channel's noise model, all channels equally long."""
+    """Columns and residual of one block, whitened by its channel's noise model and cut so that all channels are equally long."""
     rows = whitened(np.column_stack([block.columns, block.y - block.columns @ coefficients]).T, ar).T
     return rows[longest - ar.size :]

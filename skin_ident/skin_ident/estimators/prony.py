@@ -2,9 +2,9 @@
 
     channel c   B_c v + K_c x + sum_i k_ci r_i,        r_i' = v - r_i / tau_i
 
-The arms follow the measured depth exactly (`skin_models.effects.stress_relaxation`), so that a ramp that takes time and a hold that does
-not last need no correction. Times are shared by all channels, stiffnesses are each channel's own; for given times the model is linear,
-so only the times are searched (variable projection). Their number is the smallest that BIC will not have increased.
+The arms follow the measured depth exactly (`skin_models.effects.stress_relaxation`), so slow ramps and short holds need no correction. All
+channels share the times, and each has its own stiffnesses. For given times the model is linear, so only the times are searched (variable
+projection). Arms are added until BIC no longer improves.
 Source: N. W. Tschoegl, The Phenomenological Theory of Linear Viscoelastic Behavior, Springer 1989, ch. 3; G. Golub, V. Pereyra, Inverse
 Problems 19 (2003) R1.
 """
@@ -24,8 +24,8 @@ from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.model import Model
 
 MOST = 4  # arms
-APART = 2.0  # least ratio of two neighbouring times: nearer ones are one
-SURE = 2.0  # standard errors
+APART = 2.0  # least ratio of two neighbouring times
+SURE = 2.0  # standard errors by which times and stiffnesses must differ from zero
 NO_RELAXATION = (
     "no relaxation can be told from these data: of every arm the time is less sure than half its size, or a stiffness is negative or not "
     "sure; record holds of some ten seconds after quick ramps"
@@ -67,7 +67,7 @@ def fit_prony(recordings: Sequence[Recording], arms: int | None = None) -> Prony
 
 
 def _limits(sessions: list[Session]) -> tuple[float, float]:
-    """The times (s) that can be seen: from two kept samples to the longest session."""
+    """The range of times (s) that the data can show: from two decimated samples to the longest session."""
     return 2.0 * max(s.motion.dt * s.prefilter.every for s in sessions), max(s.motion.t[-1] - s.motion.t[0] for s in sessions)
 
 
@@ -83,12 +83,12 @@ def _as_few_as_possible(sessions, names, limits) -> np.ndarray:
 
 
 def _independent(sessions, names) -> float:
-    """How many independent rows there are, by the noise of the richest model."""
+    """The effective number of independent rows, by the noise of the richest model."""
     return max(10.0, regress(_blocks(sessions, names, np.geomspace(*_limits(sessions), 6)[1:-1])).dof)
 
 
 def _searched(sessions, names, count: int, limits) -> np.ndarray:
-    """The `count` times with the least residual, from a start spread over the limits and refined one by one."""
+    """The `count` times with the smallest residual; the start is spread over the limits and then refined one time after the other."""
     if count == 0:
         return np.empty(0)
     inner = np.log(limits) + np.array([0.1, -0.1])
@@ -118,7 +118,8 @@ def _cost(sessions, names, taus: np.ndarray) -> float:
 
 
 def _blocks(sessions: list[Session], names: list[str], taus: np.ndarray, slopes: np.ndarray | None = None) -> list[list[Block]]:
-    """Columns speed, depth, every arm's stretch, and where `slopes` are given, what a change of each time would do."""
+    """Blocks by channel with the columns speed, depth, and stretch of every arm; where `slopes` (stiffnesses) are given, also the
+    derivatives by each time."""
     channels: list[list[Block]] = [[] for _ in names]
     for s in sessions:
         v, x, _, _ = s.columns().T
@@ -166,7 +167,8 @@ def _result(sessions, names, taus: np.ndarray, limits, warnings: tuple[str, ...]
 
 
 def _relaxes(arm: Arm) -> bool:
-    """Whether an arm is one of a skin that relaxes: its time is known, no channel has a negative stiffness, and one has a positive one."""
+    """Whether an arm is a skin's relaxation: its time is significant, no stiffness is significantly negative, and one is significantly
+    positive."""
     pulls = [value / max(std, 1e-300) for value, std in arm.stiffness.values()]
     return arm.tau > SURE * arm.tau_std and min(pulls) > -SURE and max(pulls) > SURE
 
@@ -176,7 +178,7 @@ def _split_std(fit: Regression, width: int) -> np.ndarray:
 
 
 def _tau_std(sessions, names, taus: np.ndarray, k: np.ndarray) -> np.ndarray:
-    """Standard errors of the times, from each channel's linearised model; independent channels are pooled."""
+    """Standard errors of the times, from each channel's linearised model, pooled as for independent channels."""
     if not taus.size:
         return np.empty(0)
     fit = regress(_blocks(sessions, names, taus, k))

@@ -1,10 +1,10 @@
-"""What a converter's steps do to the estimates where the noise is too small to hide them.
+"""The errors that a converter's steps cause in the estimates where the noise is too small to hide the steps.
 
-A value y read in steps q with noise of standard deviation sigma errs on average by
+A value y with noise of standard deviation sigma, read in steps q, has the mean error
 
     b(y) = q / pi  sum_k (-1)^k / k  exp(-2 (pi k sigma / q)^2)  sin(2 pi k (y / q + p))
 
-which is no noise: the same motion makes the same error every time, and no averaging takes it out. Where the levels lie, p, is not known.
+This is no noise: the same motion makes the same error every time, and averaging does not remove it. The offset p of the levels is unknown.
 The estimates move by G' b, so that over all p their covariance is
 
     1/2 sum_k c_k^2 Re(z_k z_k*'),   z_k = G' exp(2 pi i k y / q),   c_k the amplitudes above
@@ -16,12 +16,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-HARMONICS = 30
-SMALL = 1e-3  # of a step: amplitudes below this are left out
-LEVELS = 4  # that must be seen of a converter
-ON_GRID = 0.95  # of the distances between levels that must be whole steps
-UNSURE = 0.1  # of q^2 / 12: by so much the error of few steps may differ from that of many, and is not taken for noise
-PROBES = 20_000  # samples in which the steps are looked for
+HARMONICS = 30  # of the mean error, at most
+SMALL = 1e-3  # of a step: smaller amplitudes are left out
+LEVELS = 4  # fewest levels from which a converter is recognised
+ON_GRID = 0.95  # share of the distances between levels that must be whole steps
+UNSURE = 0.1  # of q^2 / 12: the error of a few steps may differ this much from that of many; the difference is not taken for noise
+PROBES = 20_000  # samples in which steps are looked for
 
 
 def step_of(y: np.ndarray) -> float | None:
@@ -41,12 +41,12 @@ def step_of(y: np.ndarray) -> float | None:
 
 
 def noise_of(variance: float, step: float) -> float:
-    """Standard deviation of the noise before the converter, from the variance of what is left of its readings."""
+    """Standard deviation of the noise before the converter, from the variance of the residual of its readings."""
     return float(np.sqrt(max(0.0, variance - (1.0 + UNSURE) * step**2 / 12.0)))
 
 
 def amplitudes(step: float, sigma: float) -> np.ndarray:
-    """c_1, c_2, …: how large the harmonics of the mean error are under noise of `sigma`, in the unit of the step."""
+    """c_1, c_2, …: the amplitudes of the mean error's harmonics for noise of standard deviation `sigma`, in the unit of the step."""
     k = np.arange(1, HARMONICS + 1)
     c = step / (np.pi * k) * np.exp(-2.0 * (np.pi * k * sigma / step) ** 2)
     return c[c > SMALL * step]
@@ -55,10 +55,10 @@ def amplitudes(step: float, sigma: float) -> np.ndarray:
 def covariance_of_steps(
     gains: Sequence[np.ndarray], values: Sequence[np.ndarray], variance: float, step: float
 ) -> tuple[np.ndarray | float, float]:
-    """Covariance (P, P) that the steps of one channel give its coefficients, and the share of the residual that is noise nevertheless.
+    """Covariance (P, P) of one channel's coefficients due to its steps, and the share of the residual's variance that is noise.
 
-    Per session: gains (N, P), how the coefficients depend on every sample; values (N,), what the channel reads without noise.
-    `variance` is that of the residual, steps and noise together.
+    Per session: gains (N, P), the change of the coefficients per sample; values (N,), the channel without noise. `variance` is that of the
+    residual, steps and noise together.
     """
     c = amplitudes(step, noise_of(variance, step))
     total: np.ndarray | float = 0.0

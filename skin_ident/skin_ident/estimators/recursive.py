@@ -1,11 +1,11 @@
-"""The dispersion model while it is being measured: least squares with forgetting, block by block, and its uncertainty.
+"""Online estimation of the dispersion model: least squares with forgetting, block by block, with standard errors.
 
     Z <- lambda Z + z z',   z = (v, x, force, taxels)  after one causal low-pass common to all of them
 
-Everything follows from Z: coefficients by the normal equations of eq 24, residual variance, correlation between channels. With lambda^2 in
-the place of lambda it gives the scatter of coefficients that forget, P Z2 P with P = Z^-1; and the same sum one sample apart the residual's
-correlation in time, by which the standard errors are widened (they would be too small otherwise). How much is told by noise of first order
-behind the same low-pass. State is explicit: `state = absorb(state, block)`.
+Z gives the coefficients (by the normal equations of eq 24), the residual variance and the correlation between channels. The same sum with
+lambda^2 instead of lambda, Z2, gives the covariance of coefficients under forgetting, P Z2 P with P = Z^-1. The same sum over neighbouring
+rows gives the residual's correlation in time, by which the standard errors are widened (otherwise they would be too small); the factor is
+that of first-order noise behind the same low-pass. State is explicit: `state = absorb(m, state, block)`.
 Source: L. Ljung, System Identification, 2nd ed., Prentice Hall 1999, section 11.2.
 """
 
@@ -19,13 +19,13 @@ from skin_ident.estimators.split import jacobian, metric_of, split, weights_of
 from skin_models.signals import GRAVITY
 
 PER_CUTOFF = 4.0  # rows kept per period of the cut-off frequency
-FEWEST = 30.0  # effective rows before anything is said
-BINS = 20_000  # of frequency
+FEWEST = 30.0  # effective rows before there is an estimate
+BINS = 20_000  # frequencies of numerical integrals
 
 
 @dataclass(frozen=True)
 class Memory:
-    """Settings: sampling period (s), cut-off (Hz), memory (s), mass held fixed (kg), channels: a load cell or none, and T taxels."""
+    """Settings: sampling period (s), cut-off (Hz), memory (s), fixed mass (kg), whether there is a load cell, and the number of taxels."""
 
     dt: float
     cutoff: float
@@ -36,18 +36,19 @@ class Memory:
 
     @property
     def every(self) -> int:
-        """One filtered row in so many is kept."""
+        """Decimation factor of the filtered rows."""
         return max(1, int(1.0 / (PER_CUTOFF * self.cutoff * self.dt)))
 
     @property
     def forgetting(self) -> float:
-        """By what the sums are multiplied before a kept row is added: exp(-time between two such rows / window)."""
+        """The factor by which the sums are multiplied before a kept row is added: exp(-time between two such rows / window)."""
         return float(np.exp(-self.every * self.dt / self.window))
 
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """What is remembered: the last samples, the filter, how many samples went through it, the three sums, the last row, how many rows."""
+    """The estimator's state: the last samples, the filter's state, the number of samples filtered, the three sums (`now`, `next` over
+    neighbouring rows, `squared` with lambda^2), the last kept row, and the effective number of rows."""
 
     tail: np.ndarray
     filter: np.ndarray
@@ -60,14 +61,14 @@ class State:
 
 
 def initial(m: Memory) -> State:
-    """Nothing known yet."""
+    """The state before any sample."""
     width = 2 + m.force + m.taxels
     empty = np.zeros((width, width))
     return State(np.empty((width - 1, 0)), np.zeros((1, width, 2)), 0, empty, empty, np.zeros((2, 2)), None, 0.0)
 
 
 def restarted(m: Memory, state: State) -> State:
-    """The same knowledge, with a filter that forgets what came before a pause."""
+    """The state after a pause: the sums are kept, the filter starts anew."""
     fresh = initial(m)
     return replace(state, tail=fresh.tail, filter=fresh.filter, count=0, last=None)
 
@@ -85,7 +86,7 @@ def absorb(m: Memory, state: State, block: np.ndarray) -> State:
 
 
 def _parting(state: State) -> float:
-    """b / k of the whole skin as far as it is known: where b v + k x <= 0, skin and plunger have parted."""
+    """b / k (s) of the whole skin by the current estimate, 0 before there is one. Where b v + k x <= 0, skin and plunger have parted."""
     if state.rows < FEWEST:
         return 0.0
     b, k = np.linalg.lstsq(state.now[:2, :2], state.now[:2, 2], rcond=None)[0]
@@ -97,7 +98,7 @@ def _low_pass(m: Memory) -> np.ndarray:
 
 
 def _columns(m: Memory, y: np.ndarray, parting: float) -> np.ndarray:
-    """Speed and depth in contact, and the channels, at all samples but the first and the last."""
+    """Rows of speed and depth (zero out of contact) and of the channels, at all samples but the first and the last."""
     x, v = y[0, 1:-1], (y[0, 2:] - y[0, :-2]) / (2.0 * m.dt)
     contact = x > 0.0
     measured = y[1:, 1:-1].copy()
@@ -127,7 +128,8 @@ def _summed(m: Memory, state: State, kept: np.ndarray) -> State:
 
 @dataclass(frozen=True, eq=False)
 class Live:
-    """b1, k1, b2, k2, shares with their standard errors; rms of speed (m/s) and depth (m) in contact, and of the residuals (N)."""
+    """The current estimate: b1, k1, b2, k2, shares with their standard errors; effective rows; rms of speed (m/s) and depth (m) in contact,
+    and of the residuals (N)."""
 
     values: np.ndarray
     std: np.ndarray
@@ -138,7 +140,7 @@ class Live:
 
 
 def estimate(m: Memory, state: State) -> Live | None:
-    """What is known now, or None where it is too little: too few rows, or a plunger in the air or standing still."""
+    """The current estimate, or None where there are too few rows, or the plunger is in the air or stands still."""
     gram = state.now[:2, :2]
     size = np.sqrt(np.diag(gram))
     if state.rows < FEWEST or not np.all(size > 0.0) or np.linalg.cond(gram / np.outer(size, size)) > 1e10:
@@ -157,7 +159,7 @@ def estimate(m: Memory, state: State) -> Live | None:
 
 
 def _widening(m: Memory, ends: np.ndarray, state: State) -> np.ndarray:
-    """By how much (C, C) correlation in time widens the covariance."""
+    """Factors (C, C) by which correlation in time widens the covariance."""
     rho = np.diag(ends.T @ state.next @ ends) / np.maximum(np.diag(ends.T @ state.now @ ends), 1e-300)
     root = np.sqrt(np.interp(rho, *_memories(m)))
     return np.outer(root, root)
@@ -165,9 +167,10 @@ def _widening(m: Memory, ends: np.ndarray, state: State) -> np.ndarray:
 
 @cache
 def _memories(m: Memory) -> tuple[np.ndarray, np.ndarray]:
-    """For noise from white to one with a memory of a thousand samples: the correlation of neighbouring rows, and by how much they widen.
+    """For first-order noise, from white to a memory of a thousand samples: the correlation of neighbouring kept rows, and the factor by
+    which it widens a variance.
 
-    The second is the sum of all correlations: the spectral density of the kept rows at nothing over their variance.
+    That factor is the sum of all correlations: the spectral density of the kept rows at zero frequency over their variance.
     """
     omega = np.concatenate([2 * np.pi * np.arange(m.every) / m.every, np.linspace(0.0, np.pi, BINS)])
     gain = np.abs(sosfreqz(_low_pass(m), np.minimum(omega, 2 * np.pi - omega))[1]) ** 2

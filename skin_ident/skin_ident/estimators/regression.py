@@ -1,8 +1,8 @@
 """Ordinary least squares of several channels on shared columns, with their joint covariance under coloured, correlated noise.
 
-The estimate is that of the thesis, x = (H'H)^-1 H'y (eq 24). Its covariance is not the textbook's s2 (H'H)^-1, which holds for white
-noise only, but the one of `noise`, with the innovations of the channels correlated among themselves (a wrong depth moves them all). The
-noise is estimated over a wider band than the parameters: where there is no signal it can be seen best.
+The estimate is that of the thesis, x = (H'H)^-1 H'y (eq 24). The textbook covariance s2 (H'H)^-1 holds for white noise only, so that of
+`noise` is used instead, with correlation between the innovations of the channels (an error of the depth moves them all). The noise is
+estimated over a wider band than the parameters, because it is seen best where there is no signal.
 """
 
 from collections.abc import Sequence
@@ -16,12 +16,12 @@ from skin_ident.estimators.coherent import inflation
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.noise import coloured, effective_samples, from_products, highest_order, lagged_products, spread
 
-PUT_BACK = 3  # rounds of putting back into the noise what the fit took out of it
+PUT_BACK = 3  # iterations of correcting the noise model for the noise that the fit has absorbed
 
 
 @dataclass(frozen=True)
 class Block:
-    """One session of one channel: y (n,) and its columns H (n, P); the low-pass through which both go before they are compared."""
+    """One session of one channel: y (n,), its columns H (n, P), and the kernel of the low-pass that both pass before they are compared."""
 
     y: np.ndarray
     columns: np.ndarray
@@ -33,7 +33,7 @@ class Block:
         return oaconvolve(self.y, self.kernel, mode="valid"), oaconvolve(self.columns, self.kernel[:, None], mode="valid", axes=0)
 
     def gain(self, inverse: np.ndarray) -> np.ndarray:
-        """G (n, P): by how much each coefficient moves with each sample of y, given (H'H)^-1 of the low-passed columns."""
+        """G (n, P): the change of each coefficient per sample of y, given (H'H)^-1 of the low-passed columns."""
         return oaconvolve(self.narrow[1] @ inverse, self.kernel[::-1, None], mode="full", axes=0)
 
 
@@ -41,8 +41,8 @@ class Block:
 class Regression:
     """Coefficients of all channels, one after the other, with their joint covariance.
 
-    Per channel: (H'H)^-1; measured and residual rows of every session, low-passed; the noise before the low-pass: its AR coefficients
-    and the std of its innovations; `repeated`: by how much errors that repeat with the motion widen its standard errors.
+    Per channel: (H'H)^-1; measured and residual rows of every session, low-passed; the noise before the low-pass, by its AR coefficients
+    and the std of its innovations; `repeated`, the factor by which errors that repeat with the motion widen its standard errors.
     """
 
     coefficients: list[np.ndarray]
@@ -92,9 +92,9 @@ def _solve(blocks: Sequence[Block]) -> tuple[np.ndarray, np.ndarray, float]:
 
 @dataclass(frozen=True)
 class _Noise:
-    """One channel's: whitened residual (n,), AR coefficients, std of the innovations, effective degrees of freedom.
+    """The noise of one channel: whitened residual (n,), AR coefficients, std of the innovations, effective degrees of freedom.
 
-    `felt` is the std with errors that repeat with the motion added.
+    `felt` is the std enlarged for errors that repeat with the motion.
     """
 
     white: np.ndarray
@@ -105,7 +105,7 @@ class _Noise:
 
 
 def _noise(blocks: Sequence[Block], coefficients: np.ndarray, inverse: np.ndarray) -> _Noise:
-    """The noise in a channel. The fit has taken out of it whatever looks like the columns: that is estimated, and put back."""
+    """The noise of a channel. The fit has absorbed noise that looks like the columns; that part is estimated and added again."""
     residuals = [b.y - b.columns @ coefficients for b in blocks]
     n, top = sum(e.size for e in residuals), highest_order(residuals)
     seen = lagged_products(residuals, residuals, top)
@@ -119,7 +119,7 @@ def _noise(blocks: Sequence[Block], coefficients: np.ndarray, inverse: np.ndarra
 
 
 def _taken_out(blocks: Sequence[Block], gains: list[np.ndarray], ar: np.ndarray, std: float, top: int) -> np.ndarray:
-    """What least squares removes from the lagged products of noise with this model: e = (I - H G') eps, E[eps eps'] = Omega."""
+    """The lagged products that least squares removes from noise of this model: e = (I - H G') eps, E[eps eps'] = Omega."""
     columns = [b.columns for b in blocks]
     spreads = [spread(g, ar, std) for g in gains]
     covariance = sum(g.T @ s for g, s in zip(gains, spreads, strict=True))
@@ -128,7 +128,8 @@ def _taken_out(blocks: Sequence[Block], gains: list[np.ndarray], ar: np.ndarray,
 
 
 def _joint(channels: Sequence[Sequence[Block]], inverses: list[np.ndarray], noises: list[_Noise]) -> np.ndarray:
-    """The covariance of all coefficients. The estimate of channel c is P H' F y, so that it moves by G' e with G = F' H P."""
+    """The joint covariance of all coefficients. The estimate of a channel is P H' F y (F: the low-pass), so it moves by G' e, G = F' H
+    P."""
     total = 0.0
     correlation = (
         np.corrcoef([n.white for n in noises]).reshape(len(noises), len(noises)) if all(n.std > 0 for n in noises) else np.eye(len(noises))

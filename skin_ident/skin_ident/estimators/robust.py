@@ -1,17 +1,19 @@
-"""Robust loss: spikes that nobody has recognised pull at a fit no more than the noise around them does.
+"""Robust loss: limits the influence of spikes that telemetry has not recognised.
 
-What is minimised is sum rho((r / c s)^2) of the residuals r of the samples as they were measured, before any low-pass has smeared
-a spike over its neighbours. rho is named and meant as in scipy's `least_squares`; with it comes the influence of a residual,
+The fit minimises sum rho((r / c s)^2) over the residuals r of the samples as measured, before any low-pass smears a spike over its
+neighbours. rho has the names and definitions of scipy's `least_squares`. Its derivative is the influence of a residual,
 
     huber     psi(r) = r up to c s, and +- c s beyond
     soft_l1   psi(r) = r / sqrt(1 + (r / c s)^2)
     cauchy    psi(r) = r / (1 + (r / c s)^2)
 
-The first two let every spike pull like a large residual, which spikes to one side add up to an offset; the last forgets the far ones.
-s is the noise's standard deviation by the median of |r|, c lets the loss cost 5 % of precision where there are no spikes. Every sample is
-replaced by what the fit says plus psi(r), and least squares repeated until nothing changes: where it stops, sum psi(r) h = 0 with the
-low-passed columns h, which is the minimum sought. Coefficients move by (H'H)^-1 H' psi / mean(psi'), so that the covariance is the one of
-least squares on psi, colour and all, divided by mean(psi')^2 (the sandwich).
+With the first two, every spike has the influence of a large residual, and spikes to one side add up to an offset; with the last, far spikes
+have hardly any influence. s is the standard deviation of the noise, from the median of |r|. c is chosen so that the loss costs 5 % of
+precision where there are no spikes.
+
+Every sample is replaced by the prediction of the fit plus psi(r), and least squares is repeated until nothing changes. Then
+sum psi(r) h = 0 with the low-passed columns h, which is the minimum. Coefficients move by (H'H)^-1 H' psi / mean(psi'). So their
+covariance is that of least squares on psi (including its colour), divided by mean(psi')^2 (the sandwich).
 Source: P. J. Huber, Robust Statistics, Wiley 1981, sections 7.6 to 7.8 (modified residuals).
 """
 
@@ -26,14 +28,15 @@ from skin_ident.estimators.scale import normal_scale
 LINEAR, HUBER, SOFT_L1, CAUCHY = "linear", "huber", "soft_l1", "cauchy"
 LOSSES = (LINEAR, HUBER, SOFT_L1, CAUCHY)
 TUNING = {HUBER: 1.345, SOFT_L1: 1.287, CAUCHY: 2.385}
-FAR = 4.0  # standard deviations: a sample further off is counted as held back
-ROUNDS = 20
-CLOSE = 0.01  # standard errors: a smaller change of every coefficient ends the search
+FAR = 4.0  # standard deviations: samples with larger residuals are counted as held back
+ROUNDS = 20  # at most
+CLOSE = 0.01  # standard errors: the iteration ends when every coefficient changes by less
 
 
 @dataclass(frozen=True, eq=False)
 class Tamed:
-    """One channel: its samples per session with psi(r) in the place of r; mean of psi'; s, in the channel's unit; samples beyond 4 s."""
+    """One channel: its samples per session with r replaced by psi(r); the mean of psi'; s, in the channel's unit; the number of samples
+    with |r| above FAR s."""
 
     rows: list[np.ndarray]
     slope: float
@@ -42,9 +45,9 @@ class Tamed:
 
 
 def tamed(measured: Sequence[np.ndarray], fitted: Sequence[np.ndarray], believed: Sequence[np.ndarray], loss: str) -> Tamed:
-    """The channel's samples (N_s,) per session, each drawn towards what the fit says.
+    """The channel's samples (N_s,) per session, each moved towards the prediction of the fit.
 
-    `believed` (N_s,) says which samples count for the scale. Raises `FitError` for a loss that is not known.
+    `believed` (N_s,) masks the trusted samples, from which the scale is estimated. Raises `FitError` for an unknown loss.
     """
     if loss not in TUNING:
         raise FitError(f"the loss is one of {', '.join(LOSSES)}, not {loss!r}")
@@ -59,7 +62,7 @@ def tamed(measured: Sequence[np.ndarray], fitted: Sequence[np.ndarray], believed
 
 
 def noted(loss: str, channels: Mapping[str, Tamed]) -> dict[str, object]:
-    """What a fit says about its loss."""
+    """The entry on the loss for the notes of a fit; empty for least squares."""
     each = {name: {"scale": t.scale, "held_back": t.beyond, "mean_slope": t.slope} for name, t in channels.items()}
     return {} if loss == LINEAR else {"loss": {"name": loss, "channels": each}}
 

@@ -1,4 +1,4 @@
-"""Output error under a robust loss: the output's spikes are held back, and the fit repeated on what remains (see `robust`)."""
+"""Output error under a robust loss: spikes of the output are moved towards the prediction, and the fit is repeated (see `robust`)."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -13,9 +13,10 @@ from skin_ident.estimators.transfer_fit import TransferFit
 def robustly(
     pairs: Sequence[Pair], fitted: Callable[[Sequence[Pair]], TransferFit], offset: bool, loss: str
 ) -> tuple[TransferFit, Tamed | None]:
-    """What `fitted` makes of the sessions under a loss, with its covariance, and what became of the output; None for least squares.
+    """The fit that `fitted` makes of the sessions under a loss, with its covariance, and the output as it was fitted (None for least
+    squares).
 
-    `offset` gives every session a constant of its own. Raises `FitError`.
+    `offset` fits a constant per session. Raises `FitError`.
     """
     fit, held = fitted(pairs), None
     everything = [np.ones(p.y.size, bool) for p in pairs]
@@ -29,6 +30,6 @@ def robustly(
 
 
 def _said(p: Pair, fit: TransferFit, offset: bool) -> np.ndarray:
-    """What the fit says of the output (N,): from rest at the input's first value, and with a constant of the session's own."""
+    """The predicted output (N,), simulated from rest at the input's first value; with `offset`, plus a constant for the session."""
     y = fit.function.simulate(p.u, p.dt)
     return y + float(np.median(p.y - y)) if offset else y

@@ -1,10 +1,10 @@
-"""The standard deviation of normal noise by the median of its size, which a few spikes do not move."""
+"""Robust estimates of the standard deviation of noise, from the median of its magnitude, which a few spikes do not change."""
 
 from math import comb
 
 import numpy as np
 
-ORDERS = (3, 5, 7)  # of differences that motion of a few hertz hardly passes
+ORDERS = (3, 5, 7)  # of differences, in which motion of a few hertz hardly shows
 NORMAL = 1.4826  # standard deviation over median of |r|, normal distribution: 1 / Phi^-1(3 / 4)
 
 
@@ -23,11 +23,11 @@ def rms(e: np.ndarray) -> float:
 
 
 def white_scale(y: np.ndarray, order: int) -> float:
-    """Standard deviation of the white noise of `y` (N,), in its unit, by differences of `order` m: of motion that is sampled densely they
-    hold next to nothing, of such noise sqrt(2 m over m) times as much, for the squares of binomials add up so. 0 for N <= m."""
+    """Standard deviation of the white noise in `y` (N,), in its unit, from differences of order m (`order`). They hold hardly anything of
+    densely sampled motion, but sqrt(binomial(2 m, m)) times the noise (the root of the sum of squared binomials). 0 for N <= m."""
     return normal_scale(np.diff(y, order)) / np.sqrt(comb(2 * order, order)) if y.size > order else 0.0
 
 
 def white_noise(y: np.ndarray) -> float:
-    """Standard deviation of the white noise of `y` (N,), in its unit: by its differences of the order at which that is least."""
+    """Standard deviation of the white noise in `y` (N,), in its unit: the smallest of the estimates from differences of several orders."""
     return min((white_scale(y, m) for m in ORDERS if y.size > 2 * m), default=0.0)

@@ -1,4 +1,4 @@
-"""Recordings made ready for linear estimation: motion, contact, and measured channels as rows of one filtered, decimated system."""
+"""Prepares recordings for linear estimation: motion, contact, and measured channels as rows of one filtered, decimated system."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,17 +16,17 @@ from skin_models.dispersion import Dispersion
 from skin_models.signals import GRAVITY, Motion, motion
 from skin_models.words import counted
 
-FELT = 0.02  # of the largest force
-FEWEST_ROWS = 20  # that must be left of a stretch between faults once the low-pass has taken its ends
+FELT = 0.02  # share of the largest force above which there is contact
+FEWEST_ROWS = 20  # rows that a stretch between faults must have after the low-pass has removed its ends
 
 
 @dataclass(frozen=True)
 class Session:
     """One recording. `force` (n,) or None and `taxels` (T, n) are rows of the prefilter; `motion` and `felt` are at full rate.
 
-    `raw` are force and taxels at full rate, where they were measured. `parts` are the stretches of rows that may be believed; `felt` (N,)
-    says where the load cell (or, without one, the strongest taxel) shows at least `FELT` of its largest force. `live`: which of all
-    `total` taxels the rows belong to, those in newtons that ever change.
+    `raw` are force and taxels at full rate, as measured. `parts` are the stretches of trusted rows. `felt` (N,) masks the samples at which
+    the load cell (or, without one, the strongest taxel) reads more than `FELT` of its largest force. `live` are the indices, among all
+    `total` taxels, of those that take part: the taxels in newtons that ever change.
     """
 
     name: str
@@ -43,31 +43,31 @@ class Session:
 
     @property
     def believed(self) -> np.ndarray:
-        """Which samples (N,) have a part in the rows that may be believed."""
+        """A mask (N,) of the samples from which trusted rows are computed."""
         out = np.zeros(len(self.motion), bool)
         for part in self.parts:
             out[self.prefilter.samples(part)] = True
         return out
 
     def with_rows(self, samples: Sequence[np.ndarray]) -> "Session":
-        """The same with other samples (N,) of force and taxels in its rows; `raw` stays as it was measured."""
+        """The session with rows computed from other samples (N,) of force and taxels; `raw` stays as measured."""
         rows = [self.prefilter.rows(y) for y in samples]
         force = None if self.force is None else rows.pop(0)
         return replace(self, force=force, taxels=np.array(rows).reshape(self.taxels.shape))
 
     def columns(self, recovery: float | None = None) -> np.ndarray:
-        """Columns (n, 4) that belong to the rows: those of `terms`, low-passed."""
+        """The columns (n, 4) of `terms` as rows of the prefilter."""
         return self.prefilter.rows(self.terms(recovery)).T
 
     def columns_left_alone(self, recovery: float | None) -> np.ndarray:
-        """Columns (n, 2) that belong to the rows: those of `left_alone`, low-passed."""
+        """The columns (n, 2) of `left_alone` as rows of the prefilter."""
         return self.prefilter.rows(self.left_alone(recovery)).T
 
     def terms(self, recovery: float | None = None) -> np.ndarray:
         """Speed, depth, acceleration, -gravity (4, N) at full rate, each zero where plunger and skin do not touch.
 
-        `recovery` is the time constant b / k of the whole skin (s): left faster than it recovers, the skin parts from the plunger. While
-        it is not known, they are taken to touch where a force is felt.
+        `recovery` is the time constant b / k of the whole skin (s): a plunger that retracts faster than the skin recovers parts from it.
+        While it is unknown (None), there is contact where a force is felt.
         """
         s = self.motion
         contact = self.felt & (s.x > 0.0) if recovery is None else s.x > 0.0
@@ -90,7 +90,7 @@ def _like(recovery: float) -> Dispersion:
 
 
 def prepare(recordings: Sequence[Recording], motions: Sequence[Motion] | None = None) -> tuple[list[Session], tuple[str, ...]]:
-    """Sessions through one common low-pass, and warnings. `motions` replaces the measured motion. Raises `FitError`."""
+    """The recordings as sessions with a common low-pass, and warnings. `motions` replaces the measured motion. Raises `FitError`."""
     if not recordings:
         raise FitError("there is no recording to fit")
     lacking = [r.name for r in recordings if r.depth is None]
@@ -115,7 +115,7 @@ def prepare(recordings: Sequence[Recording], motions: Sequence[Motion] | None = 
 
 
 def _live(recordings: Sequence[Recording]) -> tuple[int, ...]:
-    """Taxels in newtons that change in every recording. Raises `FitError` where all of them are dead, or the load cell is."""
+    """Indices of taxels in newtons that change in every recording. Raises `FitError` where all of them are dead, or the load cell is."""
     in_newtons = [i for i in range(len(recordings[0].taxels)) if all(r.taxel_units[i] == "N" for r in recordings)]
     still = [r.name for r in recordings if r.force is not None and np.ptp(r.force) == 0.0]
     if still:
@@ -143,7 +143,8 @@ def _session(r: Recording, prefilter: Prefilter, good: np.ndarray, quality: Qual
 
 
 def _moving(r: Recording, prefilter: Prefilter) -> Motion:
-    """The motion at the recording's stamps. The prefilter needs no even ones: what holds for every sample holds for their sums."""
+    """The smoothed motion at the recording's stamps, which may be uneven. The other channels need no even stamps: the model's equation is
+    linear and holds at every sample, so it holds for any weighted sum of samples."""
     if not r.uneven:
         return motion(r.t, prefilter.smooth(drawn_again(r.depth)))
     grid = np.linspace(r.t[0], r.t[-1], len(r))
@@ -152,7 +153,7 @@ def _moving(r: Recording, prefilter: Prefilter) -> Motion:
 
 
 def because(r: Recording) -> str:
-    """What was found wrong with it, in brackets."""
+    """The recording's warnings in brackets, to follow an error message; empty where there are none."""
     return f" ({'; '.join(r.warnings)})" if r.warnings else ""
 
 
@@ -164,7 +165,7 @@ def _felt(r: Recording, taxels: np.ndarray, prefilter: Prefilter) -> np.ndarray:
 
 
 def stretches(good: np.ndarray, least: int) -> tuple[slice, ...]:
-    """Runs of `least` or more rows that are good."""
+    """Runs of at least `least` consecutive good rows."""
     return tuple(slice(int(a), int(b)) for a, b in zip(*runs(good), strict=True) if b - a >= least)
 
 

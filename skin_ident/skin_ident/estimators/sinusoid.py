@@ -1,7 +1,7 @@
 """The thesis's identification motion, x(t) = A sin(B (t - t0)) + C (eq 29), with A, B, C and t0 fitted instead of adjusted by hand.
 
-For a given B the model is linear in a = A cos(B t0), b = -A sin(B t0) and C; Gauss and Newton find B with them. The stage starts from
-rest, so the first samples do not belong to the sinusoid: they are cut off where the error has come down to what it is later on.
+For a given B the model is linear in a = A cos(B t0), b = -A sin(B t0) and C; Gauss-Newton finds B together with them. The stage starts from
+rest, so the first samples do not belong to the sinusoid. They are cut off up to where the error falls to its later level.
 """
 
 from collections.abc import Sequence
@@ -14,9 +14,9 @@ from skin_ident.estimators.scale import normal_scale
 from skin_ident.recordings.recording import Recording
 from skin_models.signals import Motion
 
-ROUNDS = 30
-BAD = 0.1  # rms error over amplitude from which a motion is no sinusoid
-OUTSIDE = 5.0  # robust standard deviations: a start with larger errors is cut off
+ROUNDS = 30  # Gauss-Newton steps at most
+BAD = 0.1  # ratio of rms error to amplitude from which a motion is no sinusoid
+OUTSIDE = 5.0  # robust standard deviations: first samples with larger errors are cut off
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Sinusoid:
 
 
 def fit_sinusoid(t: np.ndarray, x: np.ndarray) -> Sinusoid:
-    """The sinusoid in a depth (N,). Raises `FitError` for a motion that is none, or has less than one period."""
+    """The sinusoid fitted to a depth (N,). Raises `FitError` for a motion that is no sinusoid, or has less than one period."""
     first = 0
     for _ in range(3):
         linear, omega = _gauss_newton(t[first:], x[first:])
@@ -80,7 +80,7 @@ def _gauss_newton(t: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, float]:
 
 
 def _first_guess(t: np.ndarray, x: np.ndarray) -> float:
-    """The highest line of the spectrum, padded so that lines lie close."""
+    """Angular frequency (rad/s) of the highest line of the spectrum, zero-padded for a fine resolution."""
     centred = (x - x.mean()) * np.hanning(x.size)
     power = np.abs(np.fft.rfft(centred, 8 * x.size))
     dt = (t[-1] - t[0]) / (t.size - 1)
@@ -92,7 +92,7 @@ def _design(t: np.ndarray, omega: float) -> np.ndarray:
 
 
 def as_sinusoids(recordings: Sequence[Recording]) -> tuple[list[Recording], list[Motion], list[Sinusoid]]:
-    """Recordings from where their sinusoid begins, its motion for each, and the sinusoids. Raises `FitError` naming the recording."""
+    """The recordings cut to begin with their sinusoids, the motion of each, and the sinusoids. Raises `FitError` naming the recording."""
     parts, motions, found = [], [], []
     for r in recordings:
         if r.depth is None:

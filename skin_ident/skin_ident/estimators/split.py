@@ -1,10 +1,10 @@
-"""From what each channel needs of speed and depth to the parameters of the dispersion model.
+"""From the damping and stiffness fitted to each channel to the parameters of the dispersion model.
 
     force     B v + K x         B = b1 + b2,   K = k1 + k2
     taxel i   b_i v + k_i x     (b_i, k_i) = s_i (b1, k1),  the strongest taxel having s = 1
 
-Several taxels are one pair (b1, k1) and a share each: the best approximation of rank one, weighted by the noise of the taxels and by the
-metric in which the data know (b, k).
+Several taxels are described by one pair (b1, k1) and a share each: the best approximation of rank one, weighted by the noise of the taxels
+and by the precision of (b, k).
 """
 
 import numpy as np
@@ -33,12 +33,12 @@ def _rank_one(rows: np.ndarray, weights: np.ndarray, metric: np.ndarray) -> tupl
 
 
 def weights_of(noise: np.ndarray) -> np.ndarray:
-    """1 / noise (T,), none more than a thousand times the least."""
+    """1 / noise (T,), with the largest limited to a thousand times the smallest."""
     return 1.0 / np.maximum(noise, max(1e-3 * np.max(noise, initial=0.0), 1e-12))
 
 
 def metric_of(covariance: np.ndarray) -> np.ndarray:
-    """The Cholesky factor (2, 2) of the inverse of a covariance of (b, k), up to scale: (H'H)^-1 will do."""
+    """The Cholesky factor (2, 2) of the inverse of a covariance of (b, k), up to scale, so that (H'H)^-1 may be given."""
     scale = np.sqrt(np.diag(covariance))
     unit = covariance / np.outer(scale, scale)
     precision = np.linalg.inv(unit + 1e-12 * np.eye(2)) / np.outer(scale, scale)

@@ -1,4 +1,4 @@
-"""An estimate for people (a table) and for machines (a dictionary)."""
+"""An estimate as text (a table) and for programs (a dictionary)."""
 
 import math
 import textwrap
@@ -10,12 +10,12 @@ from skin_ident.estimators.figures import figures, plus_minus
 from skin_models.parameter import Parameter
 from skin_models.words import counted
 
-WIDTH = 110
-SHOWN = 8  # sessions of which the telemetry is printed
+WIDTH = 110  # characters of a line
+SHOWN = 8  # sessions whose telemetry is printed
 
 
 def as_table(estimate: Estimate) -> str:
-    """Value, unit, ± (95 %), verdict; then what is left per channel, and every warning."""
+    """Value, ± (95 %), unit and verdict of every parameter; then the residual by channel, reasons, and warnings."""
     head = f"{estimate.method}: {counted(len(estimate.sessions), 'session')} ({', '.join(estimate.sessions)})"
     rows = [_row(estimate, p) for p in estimate.parameters]
     left = [f"  {name:<10} rms {r.rmse:.4g} {r.unit}   R² {r.r2:.5f}" for name, r in estimate.residuals.items()]
@@ -29,14 +29,14 @@ def as_table(estimate: Estimate) -> str:
 
 
 def _held_back(estimate: Estimate) -> list[str]:
-    """What a robust loss took for spikes."""
+    """Lines on the samples that a robust loss has held back, by channel."""
     loss = estimate.notes.get("loss", {"name": "", "channels": {}})
     each = {name: f"{counted(t['held_back'], 'sample')} beyond 4 times {t['scale']:.3g}" for name, t in loss["channels"].items()}
     return [f"  {name:<10} loss {loss['name']}: {what} {estimate.residuals[name].unit} held back" for name, what in each.items()]
 
 
 def _telemetry(estimate: Estimate) -> list[str]:
-    """One line per session, of the first few: what it excites."""
+    """One line for each of the first few sessions: rate, depth range, speed and contact; then latencies and sinusoids."""
     sessions = estimate.notes.get("telemetry", {})
     lines = [
         f"  {name}: {t['rate_hz']:.5g} Hz, depth over {t['depth_range_mm']:.3g} mm, {t['speed_rms_mm_per_s']:.3g} mm/s rms, "
@@ -48,7 +48,7 @@ def _telemetry(estimate: Estimate) -> list[str]:
 
 
 def _latencies(estimate: Estimate) -> list[str]:
-    """Milliseconds by which channels come later than the depth, as far as the motion tells."""
+    """A line with the channels' latencies behind the depth (ms), as far as the motion identifies them."""
     found = estimate.notes.get("latency_behind_depth_ms", {})
     told = [f"{name} {plus_minus(e['value'], 1.96 * e['std'])}" for name, e in found.items() if math.isfinite(e["std"])]
     if not found:
@@ -58,7 +58,7 @@ def _latencies(estimate: Estimate) -> list[str]:
 
 
 def _sinusoids(estimate: Estimate) -> list[str]:
-    """A, B, C and start time of eq 29, as fitted, of the first few sessions."""
+    """The fitted A, B, C and t0 of eq 29, for the first few sessions."""
     found = estimate.notes.get("sinusoids", {})
     return [
         f"  {name}: x = A sin(B (t - t0)) + C with A {1e3 * s['amplitude']:.4g} mm, B {s['omega']:.5g} rad/s, "
@@ -68,7 +68,7 @@ def _sinusoids(estimate: Estimate) -> list[str]:
 
 
 def _spread(estimate: Estimate) -> list[str]:
-    """The Gaussian that the shares draw over the taxels' places."""
+    """A line on the Gaussian that was fitted to the shares over the taxels' positions."""
     s = estimate.notes.get("spread")
     if not s:
         return []
@@ -79,7 +79,7 @@ def _spread(estimate: Estimate) -> list[str]:
 
 
 def _entangled(estimate: Estimate) -> list[str]:
-    """How well the motion tells the terms apart: the condition of the normal matrix, and the two parameters most alike."""
+    """How well the motion separates the terms: the condition of the normal matrix, and the two most correlated parameters."""
     free = [i for i, p in enumerate(estimate.parameters) if estimate.std[p.name] > 0.0]
     head = f"condition of the normal matrix {estimate.condition:.3g}"
     if len(free) < 2:
@@ -90,7 +90,7 @@ def _entangled(estimate: Estimate) -> list[str]:
 
 
 def _asked_for(estimate: Estimate) -> list[str]:
-    """Intervals that were asked for, each kind under its title."""
+    """Bootstrap and profile intervals, where they were requested, each under a title."""
     out: list[str] = []
     drawn, profiled = estimate.notes.get("bootstrap"), estimate.notes.get("profile")
     if drawn:
@@ -113,7 +113,7 @@ def _row(estimate: Estimate, p: Parameter) -> str:
 
 
 def _rounded(value: float, half: float) -> str:
-    """As many digits as the uncertainty allows, one to spare."""
+    """A value with as many digits as the uncertainty allows, and one more."""
     if half <= 0.0 or not math.isfinite(half) or value == 0.0:
         return f"{value:.4g}"
     digits = max(2, min(9, math.floor(math.log10(abs(value))) - math.floor(math.log10(half)) + 2)) if abs(value) > half else 2

@@ -1,4 +1,4 @@
-"""What the fit of a transfer function needs of one session: input and output through 1 / A, and their last few samples, as one matrix.
+"""The data that a transfer function's fit needs of one session: input and output filtered by 1 / A, with their delays, as one matrix.
 
 With the discrete denominator den, w_u = u / den and w_y = y / den, every signal of the fit is a short combination of delayed w's:
 
@@ -6,7 +6,7 @@ With the discrete denominator den, w_u = u / den and w_y = y / den, every signal
     its derivatives   d_num . (w_u …) - d_den . (w_y[n-1], …)      with y the model's own output
     s^i / A of u, y   powers[i] . (w …)
 
-so that an iteration costs two recursive filters and one small Gram matrix.
+so an iteration costs only two recursive filters and one small Gram matrix.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from skin_ident.estimators.errors import FitError
 
 @dataclass(frozen=True)
 class Pair:
-    """One session: input and output (N,), N, sampled every dt (s)."""
+    """One session: input u and output y (N,), in N, sampled every dt (s)."""
 
     name: str
     u: np.ndarray
@@ -36,7 +36,7 @@ class Pair:
 
 
 def through(x: np.ndarray, den: np.ndarray, before: int) -> np.ndarray:
-    """x / den with `before` samples in front, where x is taken to have been constant: (before + N,)."""
+    """x filtered by 1 / den (before + N,), with `before` samples in front, where x is taken as constant at its first value."""
     rest = x[0] / den.sum()
     state = -np.cumsum(den[:0:-1])[::-1] * rest  # transposed direct form II, settled at a constant input
     out = np.empty(x.size + before)
@@ -55,9 +55,9 @@ _ONE = np.ones(1)
 
 
 def nuisance(den: np.ndarray, size: int, offset: bool, ar: np.ndarray) -> np.ndarray:
-    """Columns (K, reach or size) that no parameter of interest should answer for: how the system came to rest, and a constant.
+    """Nuisance columns (K, reach or size): the transients from an unknown initial state and, with `offset`, a constant.
 
-    Without the constant they have died out after `reach` samples. They are whitened by `ar`, as the rows they are compared with.
+    Without the constant they have died out after `reach` samples. They are whitened by `ar`, like the rows they are compared with.
     """
     slowest = min(max(float(np.abs(np.roots(den)).max()), 1e-3), 1 - 1e-9)
     reach = size if offset else int(min(size, np.ceil(np.log(1e-6) / np.log(slowest)) + den.size))
@@ -71,12 +71,13 @@ def nuisance(den: np.ndarray, size: int, offset: bool, ar: np.ndarray) -> np.nda
 
 
 def whitened(rows: np.ndarray, ar: np.ndarray) -> np.ndarray:
-    """Rows through A(q) = 1 - ar[0] q^-1 - …, without the first samples, which lack their past."""
+    """Rows filtered by A(q) = 1 - ar[0] q^-1 - …, without the first samples, whose past is missing."""
     return lfilter(np.concatenate([_ONE, -ar]), _ONE, rows, axis=-1)[..., ar.size :] if ar.size else rows
 
 
 def gram(rows: np.ndarray, free: np.ndarray) -> np.ndarray:
-    """rows rows' with the columns `free` projected out; `free` may end earlier than the rows, and is zero from there on."""
+    """The Gram matrix rows rows' with the columns `free` projected out; `free` may be shorter than the rows, and counts as zero after
+    that."""
     own = rows @ rows.T
     cross = rows[:, : free.shape[1]] @ free.T
     return own - cross @ np.linalg.lstsq(free @ free.T, cross.T, rcond=1e-13)[0]

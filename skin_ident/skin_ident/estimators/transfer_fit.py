@@ -1,9 +1,9 @@
 """Continuous-time transfer functions from force to force: refined instrumental variables, and output error (thesis eq 32, Table 4-7).
 
-`riv` filters input and output by 1 / A of the last iteration, which gives their derivatives, and solves the equation error with
-instruments made of the model's own output: consistent where least squares is biased by the output's noise. `output_error` starts from it
-and minimises the simulation's error itself, by Gauss and Newton with exact derivatives, Levenberg's damping and bounds. With `whiten` the
-residual's autoregressive model is then divided out, which makes both efficient under coloured noise, and their standard errors true.
+`riv` filters input and output by 1 / A of the last iteration, which gives their derivatives. It solves the equation error with the model's
+own output as instruments, which is consistent where noise of the output makes least squares biased. `output_error` starts from it and
+minimises the error of the simulation, by Gauss-Newton with exact derivatives, Levenberg damping and bounds. With `whiten` the residual is
+then whitened by its autoregressive model, which makes the estimate efficient under coloured noise, and its standard errors right.
 Source: P. Young, A. Jakeman, Int. J. Control 31 (1980) 741; H. Garnier, L. Wang (eds.), Identification of Continuous-time Models from
 Sampled Data, Springer 2008, ch. 4.
 """
@@ -18,15 +18,16 @@ from skin_ident.estimators.noise import effective_samples, fit_ar
 from skin_ident.estimators.transfer_data import Pair, gram, lags, nuisance, through, whitened
 from skin_ident.estimators.transfer_function import TransferFunction, derivatives, discrete_powers, discretised
 
-ROUNDS = 50
-TINY = 1e-10  # of a coefficient: a step below this is rounding
-NEGLIGIBLE = 1e-3  # standard errors: a step below this changes nothing that matters
+ROUNDS = 50  # iterations at most
+TINY = 1e-10  # of a coefficient: a smaller step is rounding
+NEGLIGIBLE = 1e-3  # standard errors: a smaller step is negligible
 UNBOUNDED = (-np.inf, np.inf)
 
 
 @dataclass(frozen=True, eq=False)
 class TransferFit:
-    """A fitted transfer function. `covariance` (P, P) of theta; residuals per session; noise model (ar, std); rounds it took; outputs."""
+    """A fitted transfer function: `covariance` (P, P) of theta, residuals per session, noise model (ar, std), effective degrees of freedom,
+    iterations, whether it converged, and the measured outputs."""
 
     function: TransferFunction
     covariance: np.ndarray
@@ -55,9 +56,9 @@ def output_error(
     offset: bool = False,
     whiten: bool = True,
 ) -> TransferFit:
-    """The transfer function whose simulation comes closest to the output of all sessions. Raises `FitError`.
+    """The transfer function whose simulation is closest to the output of all sessions (least squares). Raises `FitError`.
 
-    `lower` and `upper` (P,) bound theta = (beta, alpha); `offset` gives every session a constant of its own.
+    `lower` and `upper` (P,) bound theta = (beta, alpha); `offset` fits a constant per session.
     """
     start = start or riv(pairs, zeros, poles, offset=offset, close=1e-2)
     bounds = _bounds(start, lower, upper)
@@ -77,7 +78,7 @@ def output_error(
 
 
 def unweighted(pairs: Sequence[Pair], zeros: int, poles: int, offset: bool) -> tuple[TransferFunction, int, bool]:
-    """`output_error` without bounds, weights or covariance: the function, the rounds it took, whether it converged. Raises `FitError`."""
+    """`output_error` without bounds, whitening or covariance: the function, the iterations, whether it converged. Raises `FitError`."""
     start = riv(pairs, zeros, poles, offset=offset, close=1e-2)
     f, _, rounds, converged = _minimised(pairs, start, _bounds(start, None, None), offset, np.empty(0))
     return f, rounds, converged
@@ -94,7 +95,7 @@ def _bounds(f: TransferFunction, lower, upper) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _minimised(pairs, f: TransferFunction, bounds, offset: bool, ar: np.ndarray):
-    """Levenberg and Marquardt: function, residuals, rounds, whether it converged."""
+    """The minimum by Levenberg-Marquardt: function, residuals, iterations, whether it converged."""
     damping, theta, count = 0.0, f.theta, sum(p.y.size for p in pairs)
     normal, cost, slope = _system(pairs, f, offset, ar)
     for i in range(ROUNDS):
@@ -128,7 +129,7 @@ def _step(normal: np.ndarray, slope: np.ndarray, free: np.ndarray, damping: floa
 
 def _system(pairs, f: TransferFunction, offset: bool, ar: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
     """J'J (P, P), e'e and J'e (P,) over all sessions, with whitened signals and the nuisance columns projected out."""
-    with np.errstate(all="ignore"):  # a step may lead to a pole at nothing: what comes out is no number, and the step is not taken
+    with np.errstate(all="ignore"):  # a step may lead to a pole at zero: the result is NaN, and the step is rejected
         parts = [_session(p, f, offset, ar) for p in pairs]
     return sum(a for a, _, _ in parts), sum(b for _, b, _ in parts), sum(c for _, _, c in parts)
 
@@ -167,7 +168,8 @@ def _inverse(normal: np.ndarray) -> np.ndarray:
 
 
 def riv(pairs: Sequence[Pair], zeros: int = 1, poles: int = 2, *, offset: bool = False, close: float = 1e-5) -> TransferFunction:
-    """Refined instrumental variables for white output noise, until no coefficient changes by more than `close` of itself.
+    """The transfer function by refined instrumental variables for white output noise, iterated until no coefficient changes by more than
+    `close` (relative).
 
     Raises `FitError` where no stable function fits.
     """
@@ -190,7 +192,7 @@ def riv(pairs: Sequence[Pair], zeros: int = 1, poles: int = 2, *, offset: bool =
 
 
 def _corners(pairs: Sequence[Pair]) -> list[float]:
-    """Where to begin (rad/s): where the input's power lies, then above and below."""
+    """Initial corner frequencies (rad/s): about where the input's power is, above and below."""
     p = max(pairs, key=lambda p: p.u.size)
     power = np.abs(np.fft.rfft((p.u - p.u.mean())[: 1 << 15])) ** 2
     where = int(np.searchsorted(np.cumsum(power), 0.9 * power.sum())) + 1
@@ -214,14 +216,15 @@ def _iterated(pairs, f: TransferFunction, offset: bool, close: float) -> Transfe
 
 
 def _stabilised(theta: np.ndarray, cut: int) -> np.ndarray:
-    """Poles mirrored into the left half plane."""
+    """theta with its poles mirrored into the left half plane."""
     roots = np.roots([1.0, *theta[cut:]])
     roots = -np.abs(roots.real) - 1e-6 * np.abs(roots) + 1j * roots.imag
     return np.concatenate([theta[:cut], np.poly(roots).real[1:]])
 
 
 def _instrumental(pairs, f: TransferFunction, offset: bool, instruments: bool) -> np.ndarray | None:
-    """theta from one solution of the equation error; the first time, without a model, by least squares."""
+    """theta from one solution of the equation error: with the model's output as instruments, or, without `instruments`, by least squares.
+    None where the result is not finite."""
     n, m = len(f.denominator), len(f.numerator)
     left = right = 0.0
     for p in pairs:
@@ -246,7 +249,7 @@ def _instrumental(pairs, f: TransferFunction, offset: bool, instruments: bool) -
 
 
 def _selecting(powers: np.ndarray, block: int, width: int) -> np.ndarray:
-    """The combinations `powers` of the block-th group of rows."""
+    """A matrix that applies the combinations `powers` to the block-th group of rows."""
     out = np.zeros((len(powers), width))
     out[:, block * len(powers) : (block + 1) * len(powers)] = powers
     return out

@@ -45,7 +45,7 @@ class TransferFunction:
 
     @property
     def gain(self) -> float:
-        """Output over input at rest, in the units of the two."""
+        """Static gain: output over input at rest."""
         return self.numerator[-1] / self.denominator[-1]
 
     def at(self, omega: np.ndarray) -> np.ndarray:
@@ -101,7 +101,8 @@ def discrete_powers(alpha: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarra
 
 
 def _exponential(a: np.ndarray) -> np.ndarray:
-    """exp of a stack (K, m, m) by scaling, Taylor and squaring: for small and complex matrices quicker than the general routine."""
+    """Matrix exponential of a stack (K, m, m) by scaling, Taylor series and squaring; faster than the general routine for small
+    matrices."""
     norm = float(np.abs(a.real).sum(axis=-1).max())
     halvings = max(0, math.ceil(math.log2(max(norm, 1e-30) / 0.25)))
     a = a / 2.0**halvings

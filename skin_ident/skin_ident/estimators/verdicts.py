@@ -1,4 +1,4 @@
-"""Whether a parameter may be believed, said in newtons: what its term carries, against its own error and against the noise."""
+"""Whether a parameter can be trusted, in newtons: the size of its term, relative to its standard error."""
 
 from collections.abc import Mapping
 
@@ -10,9 +10,9 @@ from skin_ident.estimators.regression import Block, regress
 from skin_models.parameter import Parameter
 from skin_models.signals import GRAVITY
 
-SURE, VAGUE = 0.1, 0.5  # standard error over value: below SURE it is identifiable, above VAGUE it is not
-REACHED = 0.1  # of what a parameter carries in its strongest channel: less is felt by a taxel beside the plunger
-INERTIAL = 0.1  # least part of the mass's column that must be acceleration
+SURE, VAGUE = 0.1, 0.5  # ratio of standard error to value: up to SURE a parameter is identifiable, above VAGUE it is not
+REACHED = 0.1  # a channel counts for a parameter if it holds at least this share of the parameter's largest term in any channel
+INERTIAL = 0.1  # least ratio of acceleration to gravity (rms) in the mass's column for the mass to be identifiable
 
 
 def judge(sessions, shape, parameters: tuple[Parameter, ...], covariance: np.ndarray):
@@ -29,9 +29,9 @@ def judge(sessions, shape, parameters: tuple[Parameter, ...], covariance: np.nda
 def where_explained(
     verdicts: Mapping[str, Verdict], contributions: Mapping[str, Mapping[str, float]], residuals: Mapping[str, Residual]
 ) -> dict[str, Verdict]:
-    """The same, with nothing claimed from a channel that the model does not explain.
+    """The verdicts, with a parameter not identifiable where it acts on a channel that the model explains poorly.
 
-    A taxel that the plunger hardly reaches has no say in what the others tell.
+    A taxel that the plunger hardly reaches does not count for parameters that other channels determine.
     """
     poor = {name: r.r2 for name, r in residuals.items() if r.r2 < POOR}
     out = dict(verdicts)
@@ -55,7 +55,7 @@ def _column_rms(sessions) -> dict[str, float]:
 
 
 def _carried(p: Parameter, parameters: tuple[Parameter, ...], shape, rms: dict[str, float]) -> dict[str, float]:
-    """Rms of the parameter's term in every channel it acts on, N."""
+    """Rms (N) of the parameter's term in every channel that it acts on."""
     values = {q.name: q.value for q in parameters}
     if p.name == "m":
         return {"force": abs(p.value) * float(np.hypot(rms["a"], rms["g"]))} if shape.force else {}
@@ -70,7 +70,7 @@ def _carried(p: Parameter, parameters: tuple[Parameter, ...], shape, rms: dict[s
 
 
 def word_of(value: float, std: float) -> str:
-    """How well a parameter is known, by its standard error."""
+    """The word for how well a parameter is known, by the ratio of its standard error to its value."""
     relative = std / abs(value) if value else np.inf
     return IDENTIFIABLE if relative <= SURE else WEAK if relative <= VAGUE else NOT_IDENTIFIABLE
 
@@ -96,7 +96,7 @@ def _verdict(p: Parameter, std: float, carried: dict[str, float], shape) -> Verd
 
 
 def _of_mass(sessions, m: Parameter, std: float) -> Verdict:
-    """Split the mass's column into acceleration and gravity, and ask the data what each of them says."""
+    """The verdict on a free mass. Its column is split into acceleration and gravity, since only the former shows inertia."""
     rms = _column_rms(sessions)
     constant, inertial = m.value * rms["g"], m.value * rms["a"]
     alone, alone_std = _by_acceleration(sessions)
@@ -117,7 +117,7 @@ def _said_by_acceleration(mass: float, std: float) -> str:
 
 
 def _by_acceleration(sessions) -> tuple[float, float]:
-    """The mass, kg, and its standard error where the constant part has a free coefficient of its own."""
+    """The mass (kg) and its standard error from acceleration alone, with a separate free coefficient for the constant part."""
     blocks = []
     for s in sessions:
         v, x, a, g = s.columns().T

@@ -1,5 +1,5 @@
-"""Whether the zeros of depth and forces matter: a depth that counts from two micrometres beside the surface changes a stiffness by more
-than its standard error, which knows of noise alone.
+"""Whether the zeros of depth and forces matter. A depth whose zero is two micrometres off the surface changes a stiffness by more than its
+standard error, which only accounts for noise.
 """
 
 from collections.abc import Sequence
@@ -12,14 +12,15 @@ from skin_ident.estimators.figures import plus_minus
 from skin_ident.recordings.recording import Recording
 from skin_models.signals import Motion
 
-FAR = 2.0  # half widths of the 95 % interval
+FAR = 2.0  # half widths of the 95 % interval by which a parameter must change for a warning
 
 
 def zero_warnings(
     estimate: Estimate, recordings: Sequence[Recording], mass: float | str = 0.0, motions: Sequence[Motion] | None = None
 ) -> list[str]:
-    """A sentence where a parameter of `estimate`, SI, leaves its interval by far once every channel has a zero of its own."""
-    with suppress(FitError):  # zeros that this motion does not tell from the rest are in no fit
+    """A sentence about the parameter of `estimate` (SI) that changes most when every channel gets a zero offset, where it changes by more
+    than FAR."""
+    with suppress(FitError):  # where the motion does not identify the zeros there is no such fit
         free = fit_dispersion(recordings, mass, motions, offsets=True)
         far = {n: _half_widths(estimate, free, n) for n, s in estimate.std.items() if s > 0.0 and free.std.get(n, 0.0) > 0.0}
         name = max(far, key=far.get, default="")
@@ -31,6 +32,6 @@ def zero_warnings(
 
 
 def _half_widths(one: Estimate, other: Estimate, name: str) -> float:
-    """How far two estimates of a parameter are apart, over the half width of their intervals together."""
+    """The difference of two estimates of a parameter over the combined half width of their 95 % intervals."""
     halves = [(high - low) / 2 for low, high in (one.interval(name), other.interval(name))]
     return abs(one.values[name] - other.values[name]) / (halves[0] ** 2 + halves[1] ** 2) ** 0.5
