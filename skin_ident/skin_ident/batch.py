@@ -1,8 +1,8 @@
 """Many sessions, each fitted by itself, in parallel: one table of results, failures listed in it, resumable.
 
-Every finished session is appended to `fits.jsonl` at once, under a key of its path, size, time of change and the options; a second call
-skips what is there. What no fault of the session stopped, a process that died, is not kept, and tried again by the next call. `fits.csv`
-(or `fits.parquet`) is written from it at the end, whole.
+Every finished session is appended to `fits.jsonl` at once, under a key made of its path, size, time of change and the options; a second
+call skips the sessions that are there. A session whose process died is not kept, since that was no fault of the session: the next call
+tries it again. `fits.csv` (or `fits.parquet`) is written from all rows at the end, whole or not at all.
 """
 
 import csv
@@ -29,9 +29,9 @@ JOURNAL = "fits.jsonl"
 
 
 def fit_session(path: str, options: Options, how: Mapping[str, Any]) -> dict[str, Any]:
-    """One row of the table: path, status (ok or failed), why, parameters with standard errors, residuals, warnings. Never raises.
+    """One row of the table: path, status (ok or failed), reason, parameters with standard errors, residuals, warnings. Never raises.
 
-    `how` are the arguments of `load_one` beside the path.
+    `how` holds the arguments of `load_one` other than the path.
     """
     try:
         recordings, _ = sessions_of([load_one(Path(path), **how)])
@@ -95,7 +95,7 @@ def _size_and_change(file: Path) -> tuple[int, int]:
 
 
 def _journal(folder: Path) -> Iterator[dict[str, Any]]:
-    """Rows of earlier calls; a line that was cut off by a crash is passed over."""
+    """Rows of earlier calls; a line that was cut off by a crash is skipped."""
     path = folder / JOURNAL
     for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
         try:
@@ -107,10 +107,11 @@ def _journal(folder: Path) -> Iterator[dict[str, Any]]:
 
 
 def _rows(todo: list[str], how: tuple[Options, dict[str, Any]], jobs: int | None, scheduler: str | None) -> Iterator[dict[str, Any]]:
-    """Rows as they are finished. A worker that dies takes down its pool: what was lost is tried once more, one by one."""
+    """Rows as they are finished. A worker that dies takes its pool down; the sessions lost by that are tried again, each in its own
+    pool."""
     lost: list[str] = []
     with _workers(jobs, scheduler) as executor:
-        with no_interrupts():  # submitting starts workers, and Ctrl-C is none of their business
+        with no_interrupts():  # submitting starts workers, which must not receive Ctrl-C
             running = {executor.submit(fit_session, path, *how): path for path in todo}
         for future in as_completed(running):
             try:
@@ -154,7 +155,7 @@ def dask_client(scheduler: str) -> Any:
 
 
 def parquet_library() -> tuple[Any, Any]:
-    """pyarrow and its Parquet module. Raises `FitError` where they are not installed: to be asked before a night's work, not after it."""
+    """pyarrow and its Parquet module. Raises `FitError` where they are not installed; call it before a long batch, not only after it."""
     try:
         return import_module("pyarrow"), import_module("pyarrow.parquet")
     except ImportError as error:

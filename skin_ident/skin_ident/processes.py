@@ -1,4 +1,4 @@
-"""Worker processes that Ctrl-C does not reach, and that outlive nobody: what a terminal sends to all of a group is for the first alone."""
+"""Worker processes that ignore Ctrl-C, which a terminal sends to a whole process group, and that end when their parent process does."""
 
 import os
 import signal
@@ -13,7 +13,8 @@ THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 @contextmanager
 def workers(jobs: int | None = None, *, finish: bool) -> Iterator[ProcessPoolExecutor]:
-    """A pool to submit to within `no_interrupts`. Left by an exception, what has begun is finished, or ends at once."""
+    """A pool of worker processes; submit to it within `no_interrupts`. When an exception leaves the block, tasks that have begun are
+    finished if `finish` is True, else terminated; tasks that have not begun are dropped."""
     for name in THREADS:  # one thread each: the processes are the parallelism
         os.environ.setdefault(name, "1")
     before = active_children()
@@ -31,7 +32,7 @@ def workers(jobs: int | None = None, *, finish: bool) -> Iterator[ProcessPoolExe
 
 @contextmanager
 def no_interrupts() -> Iterator[None]:
-    """Hold Ctrl-C back meanwhile, and for ever from the processes that are started meanwhile."""
+    """Block Ctrl-C during the block. Processes that are started in it never receive it."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -40,7 +41,7 @@ def no_interrupts() -> Iterator[None]:
 
 
 def _end_with_parent() -> None:
-    """Let this process end when the one that started it is killed: it would wait for work for ever."""
+    """Let this process end when its parent is killed; otherwise it would wait for work for ever."""
 
     def wait() -> None:
         parent_process().join()

@@ -1,7 +1,8 @@
-"""Telemetry before any model: what the channels of a session look like, and which of their samples cannot be believed.
+"""Telemetry before any model: what the channels of a session look like, and which of their samples cannot be trusted.
 
-Spikes (`skin_ident.spikes`) are bridged, but in recordings that keep them. A channel that holds one value while the others say it should
-move is frozen or saturated, and those samples are ruled out. Sizes that only a wrong unit gives, and a plunger that hardly moves, are said.
+Spikes (`skin_ident.spikes`) are bridged, except in recordings that keep them. A channel that holds one value while the others say that it
+should move is frozen or saturated, and those samples are excluded. Sizes that only a wrong unit can give, and a plunger that hardly moves,
+are reported.
 """
 
 from collections.abc import Sequence
@@ -14,24 +15,24 @@ from skin_ident.spikes import bridged, spikes_of, step_between, witnesses
 from skin_ident.stretches import runs
 from skin_models.words import counted
 
-FROZEN = 8  # samples at one value before it is asked whether the channel should have moved
-MOVED = 0.05  # of a channel's range: what it should have moved by
-NAMED = 3  # spikes of a channel of which a sentence says when they are
-COARSE = 0.01  # s between samples, down to which hundredths tell them apart
-JUMP = 2.0  # times the largest usual step: how a frozen encoder catches up
-SOFT, HARD = 30.0, 1e6  # N/m, stiffness of a skin under a plunger: outside, a unit is suspected
-FAR_TOO_MUCH = 30.0  # times the applied force: no taxel feels that
-MOST, LEAST = 1.5, 0.01  # of the applied force, felt by all taxels together and by the strongest
-FAR_TOO_LITTLE = 0.002  # of the applied force: so little the strongest feels only in another unit
-SHALLOW = 20e-6  # m: depth that varies by less says little
+FROZEN = 8  # fewest samples at one value for which a channel is tested for being frozen
+MOVED = 0.05  # share of its range by which a frozen channel should have moved
+NAMED = 3  # spikes of a channel whose times a warning gives
+COARSE = 0.01  # s between samples from which two decimals tell times apart
+JUMP = 2.0  # a frozen encoder catches up by a jump of more than this many times the 95th percentile of its steps
+SOFT, HARD = 30.0, 1e6  # N/m, range of plausible stiffness of a skin under a plunger; outside, a unit is suspected
+FAR_TOO_MUCH = 30.0  # times the applied force, which no taxel feels
+MOST, LEAST = 1.5, 0.01  # of the applied force: the most for all taxels together, the least for the strongest, without a warning
+FAR_TOO_LITTLE = 0.002  # of the applied force: if the strongest taxel feels less, its unit is suspected
+SHALLOW = 20e-6  # m: smallest variation of the depth without a warning
 
 
 @dataclass(frozen=True)
 class Quality:
-    """rate (Hz), depth range (m), speed (m/s rms), time in contact (share), by channel when its spikes begin (s, as recorded) and how many
-    samples are frozen, apparent delays (s).
+    """rate (Hz), depth range (m), speed (m/s rms), share of time in contact; by channel the times at which spikes begin (s, as recorded),
+    the number of frozen samples, and the apparent delay (s).
 
-    `delays` are those of each taxel behind the load cell: a skin's own relaxation is part of them.
+    `delays` are those of each taxel behind the load cell; the skin's own relaxation contributes to them.
     """
 
     rate: float
@@ -45,7 +46,7 @@ class Quality:
     impossible: str = ""  # what no skin can do: a unit must be wrong
 
     def as_dict(self) -> dict[str, object]:
-        """What was found, with units in the names."""
+        """The quality as a dictionary, with units in the names."""
         return {
             "rate_hz": self.rate,
             "depth_range_mm": 1e3 * self.depth_range,
@@ -59,7 +60,7 @@ class Quality:
 
 
 def inspected(r: Recording) -> tuple[Recording, np.ndarray, Quality]:
-    """The recording with its spikes bridged, which samples (N,) may be believed, and what was found."""
+    """The recording with its spikes bridged, a mask (N,) of the samples to trust, and what was found."""
     mended, spikes = _without_spikes(r)
     good, frozen = _believable(mended)
     depth = mended.depth
@@ -88,7 +89,7 @@ def _counts(spikes: dict[str, tuple[float, ...]], frozen: dict[str, int], dt: fl
 
 
 def _when(at: Sequence[float], dt: float) -> str:
-    """The first of these times, as finely as samples of every `dt` s are told apart: `1.15, 4.20 and 7.31`, or `1.15, 4.20, 7.31, …`."""
+    """The first of these times in words, with enough decimals for samples `dt` s apart: `1.15, 4.20 and 7.31`, or `1.15, 4.20, 7.31, …`."""
     said = [f"{seconds:.{2 if dt >= COARSE else 3}f}" for seconds in at[:NAMED]]
     if len(at) > NAMED:
         return ", ".join([*said, "…"])
@@ -96,7 +97,7 @@ def _when(at: Sequence[float], dt: float) -> str:
 
 
 def _without_spikes(r: Recording) -> tuple[Recording, dict[str, tuple[float, ...]]]:
-    """The recording with its spikes bridged, and when (s) they begin in every channel; itself where it keeps them."""
+    """The recording with its spikes bridged, and the times (s) at which they begin, by channel; unchanged where it keeps its spikes."""
     rows = _rows(r)
     found = {} if r.keeps_spikes else spikes_of(r)
     hit = {name: bridged(r.t, rows[name], spike) for name, spike in found.items() if spike.any()}
@@ -108,7 +109,7 @@ def _without_spikes(r: Recording) -> tuple[Recording, dict[str, tuple[float, ...
 
 
 def _believable(r: Recording) -> tuple[np.ndarray, dict[str, int]]:
-    """Which samples (N,) no channel spoils by being frozen, and how many are in each."""
+    """A mask (N,) of the samples at which no channel is frozen, and the number of frozen samples by channel."""
     rows = _rows(r)
     asked = [name for name in rows if name == "depth"] + witnesses(r.channels)
     good, counts = np.ones(len(r), bool), {}
@@ -121,9 +122,9 @@ def _believable(r: Recording) -> tuple[np.ndarray, dict[str, int]]:
 
 
 def _frozen(y: np.ndarray, others: list[np.ndarray], holds: bool) -> np.ndarray:
-    """Samples in runs of one value during which every other channel that moves says that this one should have moved.
+    """A mask (N,) of frozen samples: runs of one value during which every other channel that moves says that this one should have moved.
 
-    A depth may be held while forces relax (`holds`): it counts as frozen only where it jumps afterwards.
+    A depth (`holds`) may be held still while forces relax, so it counts as frozen only where it jumps afterwards.
     """
     out = np.zeros(y.size, bool)
     steps = np.abs(np.diff(y))
@@ -138,14 +139,14 @@ def _frozen(y: np.ndarray, others: list[np.ndarray], holds: bool) -> np.ndarray:
     jump = JUMP * float(np.percentile(steps[edges], 95))
     for start, stop in zip(starts[long], stops[long], strict=True):
         leaps = stop < y.size and steps[stop - 1] > jump
-        # a channel that stands still as well has no say: the taxels of one message freeze together
+        # a channel that stands still as well does not count: the taxels of one message freeze together
         if (leaps or not holds) and _agree(related, start, stop, least):
             out[start:stop] = True
     return out
 
 
 def _agree(related: list[tuple[np.ndarray, float]], start: int, stop: int, least: float) -> bool:
-    """Whether one or more of the others moved, and each that did by as much as should have moved this one by `least`."""
+    """Whether at least one other channel moved, and every one that did moved so far that this one should have moved by `least`."""
     moved = False
     for other, slope in related:
         part = other[start:stop]
@@ -157,14 +158,14 @@ def _agree(related: list[tuple[np.ndarray, float]], start: int, stop: int, least
 
 
 def _slope(y: np.ndarray, other: np.ndarray) -> float | None:
-    """How much y moves with another channel; None where they are hardly related."""
+    """The slope of y over another channel; None where their correlation is not above 0.7."""
     a, b = y - y.mean(), other - other.mean()
     norm = float(np.sqrt((a @ a) * (b @ b)))
     return float(a @ b / (b @ b)) if norm > 0.0 and a @ b > 0.7 * norm else None
 
 
 def _sizes(r: Recording) -> list[str]:
-    """Sizes and signs that a wrong unit or a wrong wire would give."""
+    """Warnings about sizes and signs that suggest a wrong unit or swapped wires."""
     notes = []
     if r.depth is None:
         return notes
@@ -184,15 +185,15 @@ def _sizes(r: Recording) -> list[str]:
 
 
 def impossible(r: Recording, asked: Sequence[int] | None = None) -> str:
-    """What no skin can do, so that a unit must be wrong, in a sentence without the recording's name; empty where there is nothing of it.
+    """A sentence (without the recording's name) about what no skin can do, so that a unit must be wrong; empty where there is nothing.
 
-    `asked` are the taxels that are to be compared; left out, all in newtons. What follows neither depth nor force proves nothing.
+    `asked` are the taxels to be checked, by default all in newtons. A channel that follows neither depth nor force proves nothing.
     """
     return _more_than_applied(r, _in_newtons(r) if asked is None else asked) or _as_no_skin(r)
 
 
 def far_too_little(r: Recording, asked: Sequence[int] | None = None) -> str:
-    """The same for taxels that feel hardly anything of the force: their unit may be wrong, or the plunger far away from all of them."""
+    """The same for taxels that feel hardly any of the force: their unit may be wrong, or the plunger is far from all of them."""
     if r.depth is None or r.force is None:
         return ""
     applied = _slope(r.force, r.depth)
@@ -208,7 +209,7 @@ def _in_newtons(r: Recording) -> list[int]:
 
 
 def _more_than_applied(r: Recording, asked: Sequence[int]) -> str:
-    """A taxel that feels far more than what presses; without a load cell, more than any skin that is pressed so deep."""
+    """A sentence about a taxel that feels far more than the applied force or, without a load cell, is stiffer than any skin; else empty."""
     against = r.depth if r.force is None else r.force
     if against is None or not asked:
         return ""
@@ -232,7 +233,7 @@ def _as_no_skin(r: Recording) -> str:
 
 
 def _proportions(r: Recording) -> list[str]:
-    """Taxels that feel far more, or far less, than what is applied."""
+    """Warnings about taxels that feel clearly more, or clearly less, than the applied force."""
     felt = [s for y, unit in zip(r.taxels, r.taxel_units, strict=True) if unit == "N" and (s := _slope(y, r.depth)) is not None]
     applied = None if r.force is None else _slope(r.force, r.depth)
     if not felt or not applied:
@@ -247,7 +248,7 @@ def _proportions(r: Recording) -> list[str]:
 
 
 def apparent_delay(u: np.ndarray, y: np.ndarray, dt: float) -> float:
-    """Seconds by which y comes after u: the slope of the phase between them, weighted by their common power."""
+    """Delay of y behind u, s: the slope of their cross-spectrum's phase over frequency, weighted by its magnitude."""
     window = np.hanning(u.size)
     a, b = np.fft.rfft((u - u.mean()) * window), np.fft.rfft((y - y.mean()) * window)
     cross = b * np.conj(a)

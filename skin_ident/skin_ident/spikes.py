@@ -1,14 +1,19 @@
 """Spikes: up to three samples that jump away and back in one channel, unlike what the plunger and the other channels do.
 
-A fast touch looks the same in a row by itself: at 100 Hz, 10 mm/s for 40 ms are four samples of b x' = 16 N between zeros. But it is in
-every channel that feels the skin, in proportion, and in the depth. So what stands off in a row is held against both:
+In a single channel (row) a fast touch looks the same: at 100 Hz, 10 mm/s for 40 ms are four samples of b x' = 16 N between zeros. But a
+touch is in every channel that feels the skin, in proportion, and in the depth. The excess of a jump is its mean deviation from the straight
+line through the samples around it. It is compared with two predictions:
 
-    by another channel o     its own excess there, times how much the row moves with o elsewhere
-    by the depth x           the excess of max(0, k x + b x') of a plain skin, k and b by a robust fit to the row (N/m, N s/m)
+    from another channel o   the excess of o there, times the row's slope over o elsewhere
+    from the depth x         the excess of max(0, k x + b x') of a plain skin, k and b by a robust fit to the row (N/m, N s/m)
 
-It is a spike where neither tells at least a third of it, nor is told by a third of that. Channels that agree while the plunger rests (a
-discharge hits all cables) are no skin, and a row beside which none can tell is a skin's only where the plunger moves: what depth and speed
-vary by about a place bounds what a skin can do there. A lone row without a depth has nothing beside it, and its jumps are spikes.
+The jump is a spike unless one of them agrees with its excess to a factor of three. Two more rules:
+
+-   Depth and speed about a jump bound what a skin can do there. A jump of more than three times that is a spike even if channels agree, as
+    for a discharge that hits all cables while the plunger rests.
+-   Otherwise, a jump is the skin's where no other channel is related and precise enough to deny it.
+
+A single channel without a depth has nothing to be compared with: all its jumps are spikes.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,29 +25,29 @@ from skin_ident.estimators.scale import normal_scale, white_noise
 from skin_ident.recordings.recording import Recording
 from skin_ident.stretches import without
 
-SPIKE = 12.0  # times the usual second difference (robust) and
-SPIKE_RANGE = 0.03  # of the channel's range
-WIDEST = 4  # samples of one spike: three, and one more where it was resampled
-FASTER = 5.0  # times the greatest speed beside jumps, which no stage reaches in one
-OFTEN = 0.2  # of the samples: a channel that bends more often jumps all the time
-MOST = 0.02  # of the samples that spikes may hold: a channel of more is not what it would be without
-WAY = 4  # samples to either side that must keep to the line from which a spike stands off
-LATE = 2  # samples by which channels may come after each other, or after the depth
-AGREE = 1 / 3  # of an excess, that another channel or the depth must tell: static and dynamic shares of skins differ by up to 1.8
-CLEAR = 4.0  # noise widths by which a witness must see what it is asked for
-RELATED = 0.5  # of what a row varies by, that may be left by another that can deny a touch
-AT_REST = 2.0  # noise widths of what depth and speed vary by while the plunger rests: ten samples range over three
-WITNESSES = 4  # taxels that are asked about another channel
-FELT = 0.02  # of the largest force: below, plunger and skin do not touch
-FEWEST = 20  # samples in contact for the depth to say what force goes with it
-ROUNDS = 20  # of reweighting
-HUBER = 1.345  # noise widths, from which a residual counts by its size alone
+SPIKE = 12.0  # a jump's second difference exceeds this many robust standard deviations (or converter steps), and
+SPIKE_RANGE = 0.03  # this share of the channel's range
+WIDEST = 4  # most samples of one spike: three, and one more where it was resampled
+FASTER = 5.0  # a jump of depth faster than this many times the greatest speed elsewhere cannot be motion of the stage
+OFTEN = 0.2  # share of suspect samples above which a channel is taken to jump all the time, and has no spikes
+MOST = 0.02  # share of samples in spikes above which they are no spikes but part of the signal
+WAY = 4  # samples to either side that must stay close to the line from which a spike deviates
+LATE = 2  # samples by which channels may lag behind each other, or behind the depth
+AGREE = 1 / 3  # least ratio of two excesses that agree; not nearer to 1, as static and dynamic shares of skins differ by up to 1.8
+CLEAR = 4.0  # standard deviations of its noise by which another channel must be able to see a third of the excess
+RELATED = 0.5  # a channel can deny a touch only if it predicts the row to this share of the row's own deviation
+AT_REST = 2.0  # standard deviations of depth's and speed's noise taken off what they vary by: ten samples at rest range over three
+WITNESSES = 4  # most taxels that are compared with a channel
+FELT = 0.02  # of the largest force; below, plunger and skin are not in contact
+FEWEST = 20  # samples in contact that are needed to predict the force from the depth
+ROUNDS = 20  # of iterative reweighting
+HUBER = 1.345  # standard deviations beyond which a residual is downweighted (Huber)
 
 
 def spikes_of(r: Recording) -> dict[str, np.ndarray]:
-    """Which samples (N,) of `depth`, `force`, `taxel_0`, … belong to a spike.
+    """Masks (N,) of the samples that belong to a spike, for `depth`, `force`, `taxel_0`, …
 
-    The depth comes first: bridged, it is what the channels are held against.
+    The depth comes first, because channels are compared with the depth after its spikes are bridged.
     """
     rows = r.channels
     found = {name: jumps(y) for name, y in rows.items()}
@@ -62,13 +67,15 @@ def spikes_of(r: Recording) -> dict[str, np.ndarray]:
 
 
 def bridged(t: np.ndarray, y: np.ndarray, spike: np.ndarray) -> np.ndarray:
-    """The row (N,) with straight lines over its spikes."""
+    """The row (N,) with straight lines across its spikes."""
     return np.interp(t, t[~spike], y[~spike]) if spike.any() else y
 
 
 def _of_depth(r: Recording, found: Mapping[str, np.ndarray], asked: Sequence[str]) -> np.ndarray:
-    """Spikes of the encoder: jumps beside which no channel jumps (`found`, (N,) each), nor follows as a skin would. What hits all cables
-    hits the encoder's, too: faster than the stage ever moves else, a jump is motion only where every channel has as much of it as of depth.
+    """A mask (N,) of the encoder's spikes: jumps at which no channel jumps (`found`, (N,) each) or follows as a skin would.
+
+    A discharge hits the encoder's cable together with all others. So a jump that is faster than the stage moves elsewhere is motion only
+    where every channel follows it in proportion to the depth.
     """
     own = jumps(r.depth)
     if not own.any():
@@ -90,7 +97,7 @@ def _of_depth(r: Recording, found: Mapping[str, np.ndarray], asked: Sequence[str
 
 
 def _is_skin(y: np.ndarray, a: int, b: int, others: "list[_Other]", skin: "Skin | None") -> bool:
-    """Whether the samples a..b of y (b exclusive) are what the plunger does to the skin."""
+    """Whether the jump in samples a..b of y (b exclusive) is a touch of the skin and no spike."""
     if skin is not None and _tells(y, a, b, skin.force, 1.0, skin.noise):
         return True
     excess = abs(_excess(y, a, b))
@@ -101,9 +108,9 @@ def _is_skin(y: np.ndarray, a: int, b: int, others: "list[_Other]", skin: "Skin 
 
 
 def _tells(y: np.ndarray, a: int, b: int, other: np.ndarray, slope: float, noise: float) -> bool:
-    """Whether `other` times `slope` has the excess of y at a..b, to a factor of 1 / AGREE, some samples earlier or later.
+    """Whether `other` times `slope` has the excess of y at a..b, to a factor of 1 / AGREE, at most LATE samples earlier or later.
 
-    `noise` is the standard deviation of `other`; what hides in it tells nothing.
+    `noise` is the standard deviation of `other`; False where it would hide the excess.
     """
     excess = _excess(y, a, b)
     if excess == 0.0 or not _clear(excess, slope, noise):
@@ -113,19 +120,19 @@ def _tells(y: np.ndarray, a: int, b: int, other: np.ndarray, slope: float, noise
 
 
 def _clear(excess: float, slope: float, noise: float) -> bool:
-    """Whether a third of an excess would be seen by a channel of this noise, of which the row is `slope` times."""
+    """Whether a third of an excess of the row would stand out of the noise of another channel, if the row is `slope` times that channel."""
     return AGREE * abs(excess) > CLEAR * abs(slope) * noise
 
 
 def _excess(y: np.ndarray, a: int, b: int) -> float:
-    """Mean by which the samples a..b stand off the straight line through their neighbours a - 1 and b."""
+    """Mean deviation of the samples a..b from the straight line through their neighbours a - 1 and b."""
     along = (np.arange(a, b) - (a - 1)) / (b - a + 1)
     return float(np.mean(y[a:b] - y[a - 1] - (y[b] - y[a - 1]) * along))
 
 
 @dataclass(frozen=True)
 class _Other:
-    """Another channel (N,), its noise, how much the row in question moves with it, and whether the row does so throughout."""
+    """Another channel (N,), its noise, the slope of the row in question over it, and whether the row follows it throughout."""
 
     row: np.ndarray
     noise: float
@@ -134,7 +141,8 @@ class _Other:
 
     @classmethod
     def of(cls, y: np.ndarray, row: np.ndarray) -> "_Other":
-        """`slope` is the median ratio of what y and row are off their medians, weighted by the latter: spikes of neither move it."""
+        """Compares y with another channel `row`. The slope is the median ratio of their deviations from their medians, weighted by that of
+        `row`, so that spikes in either do not change it."""
         noise = white_noise(row)
         by, off = row - np.median(row), y - np.median(y)
         clear = np.abs(by) > CLEAR * noise
@@ -148,15 +156,15 @@ class _Other:
         return cls(row, noise, slope, bool(np.median(np.abs(off - slope * by)) < RELATED * np.median(np.abs(off))))
 
     def can_deny(self, excess: float) -> bool:
-        """Whether it would show an excess of the row, were that the skin's."""
+        """Whether this channel would show an excess of the row if the skin had caused it."""
         return self.related and _clear(excess, self.slope, self.noise)
 
 
 @dataclass(frozen=True)
 class Skin:
-    """What a plain skin does to a row under a depth (N,): `force` (N,) = max(0, k x + b x') in contact, and its noise.
+    """The force of a plain skin under the recorded depth: `force` (N,) = max(0, k x + b x') in contact, and its noise.
 
-    `bounds` are k |x| and b |dx / dt| (2, N) by which a force can vary, the speeds between samples, and `rest` what noise adds to them.
+    `bounds` (2, N) are |k| x and |b| dx / dt (between samples), by whose variation a force can vary; `rest` is what noise adds to that.
     """
 
     force: np.ndarray
@@ -166,7 +174,7 @@ class Skin:
 
     @classmethod
     def of(cls, t: np.ndarray, depth: np.ndarray, y: np.ndarray) -> "Skin | None":
-        """k and b by least squares that weigh far residuals down, over samples in contact; None where these are too few."""
+        """Fits k and b robustly to y over the samples in contact; None where these are too few, or the depth is constant there."""
         speed = np.gradient(depth, t)
         felt = (depth > 0.0) & (y > FELT * np.percentile(y, 99.5))
         if np.count_nonzero(felt) < FEWEST or np.ptp(depth[felt]) == 0.0:
@@ -176,13 +184,14 @@ class Skin:
         return cls(np.maximum(pull, 0.0) * (depth > 0.0), white_noise(pull), bounds, AT_REST * sum(map(white_noise, bounds)))
 
     def reach(self, a: int, b: int) -> float:
-        """N by which a force can vary about a..b: what depth and speed do there, and the whole speed, for contact may begin or end."""
+        """The most, N, by which a skin's force can vary about a..b: by the range of depth there, and by the whole speed, since contact may
+        begin or end; less what noise adds."""
         depth, speed = self.bounds[:, max(0, a - WAY) : b + WAY]
         return max(float(np.ptp(depth) + max(0.0, speed.max()) - min(0.0, speed.min())) - self.rest, 0.0)
 
 
 def _robust(columns: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Coefficients of y over columns (n, p) and a constant, by Huber's weights (Ann. Math. Stat. 35, 1964); without the constant."""
+    """Coefficients (p,) of y over columns (n, p), fitted with a constant and Huber's weights (Ann. Math. Stat. 35, 1964)."""
     scale = np.linalg.norm(columns, axis=0)
     scale[scale == 0.0] = 1.0
     all_of_it = np.column_stack([columns / scale, np.full(y.size, y.size**-0.5)])
@@ -195,13 +204,13 @@ def _robust(columns: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def witnesses(rows: Mapping[str, np.ndarray]) -> list[str]:
-    """Channels that have a say about others: the force, and the taxels of the widest range, spikes left aside."""
+    """Channels with which others are compared: the force, and the taxels of the widest range (spikes not counted)."""
     ranges = {name: float(np.subtract(*np.percentile(y, [99.5, 0.5]))) for name, y in rows.items() if name != "force"}
     return [name for name in rows if name == "force"] + sorted(ranges, key=lambda name: -ranges[name])[:WITNESSES]
 
 
 def jumps(y: np.ndarray) -> np.ndarray:
-    """Which samples (N,) jump from the straight line between the good samples around them, as spikes and fast touches do."""
+    """A mask (N,) of samples that jump away from the straight line between the samples around them, as spikes and fast touches do."""
     bend = np.abs(np.diff(y, 2))
     usual = normal_scale(bend)
     limit = max(SPIKE * max(usual, step_between(y)), SPIKE_RANGE * float(np.subtract(*np.percentile(y, [99.5, 0.5]))))
@@ -213,9 +222,9 @@ def jumps(y: np.ndarray) -> np.ndarray:
 
 
 def _mark(y: np.ndarray, i: int, limit: float, out: np.ndarray) -> None:
-    """Mark the shortest run that contains i and stands off the line through its neighbours, which themselves keep to it.
+    """Mark in `out` the shortest run that contains i and deviates from the line through its neighbours, while samples around it do not.
 
-    The second half tells a spike from a corner, such as the loss of contact makes.
+    The second condition tells a spike from a corner, such as the loss of contact makes.
     """
     for width in range(1, WIDEST + 1):
         for start in range(i - width + 1, i + 1):
@@ -231,7 +240,7 @@ def _mark(y: np.ndarray, i: int, limit: float, out: np.ndarray) -> None:
 
 
 def step_between(y: np.ndarray) -> float:
-    """The smallest step between neighbours: that of the converter, where there is one."""
+    """The smallest usual step between neighbouring samples (5th percentile), which is the converter's step where there is one."""
     steps = np.abs(np.diff(y))
     steps = steps[steps > 0.0]
     return float(np.percentile(steps, 5)) if steps.size else 0.0

@@ -6,10 +6,10 @@ A scan runs from the taxel's centre outwards on one side. It is mirrored about t
 fitted by least squares; R^2 = 1 - SSE / SST with SST about the mean of the mirrored samples. (With the centre counted twice, one side
 alone, or R^2 adjusted for the parameters, the digits of Table 4-8 do not come out.)
 
-All readings of a scan come from one taxel, with one step and one noise: their variances are alike, noise^2 + step^2 / 12, and equal weights
-are the right ones. What the converter does to the standard errors is their least size. (Tried instead: the likelihood of each reading as an
-interval of one step. Over 480 fits of 2 to 75 steps it took a seventh off the rms of c without noise and nothing from 0.15 step of noise
-on, where it claimed too much: 90 % covered.)
+All readings of a scan come from one taxel, with one converter step and one noise. Their variances are equal, noise^2 + step^2 / 12, so
+equal weights are right. That variance also bounds the standard errors from below. (An alternative was tried: the likelihood of each reading
+as an interval of one step. Over 480 fits of 2 to 75 steps it reduced the rms error of c by a seventh without noise, and not at all from
+0.15 step of noise on, where its intervals were too narrow: they covered the truth in only 90 %.)
 """
 
 from dataclasses import dataclass
@@ -32,12 +32,12 @@ class GaussianFit:
     a_std: float  # standard errors from the residuals of the samples before mirroring; they take the noise as white
     b_std: float
     c_std: float
-    samples: int  # fitted, mirrored ones included
+    samples: int  # that were fitted, mirrored ones included
     reason: str = ""
-    dof: int = 1  # independent samples less the fitted numbers
+    dof: int = 1  # degrees of freedom: independent samples less fitted parameters
 
     def half_width(self, name: str, level: float = 0.95) -> float:
-        """Half of the interval of a, b or c, from Student's t: a scan has a dozen samples."""
+        """Half width of the confidence interval of a, b or c, by Student's t, because a scan has only about a dozen samples."""
         return float(stdtrit(self.dof, 0.5 + level / 2)) * getattr(self, f"{name}_std")
 
     def __call__(self, x: np.ndarray) -> np.ndarray:
@@ -68,9 +68,9 @@ def fit_gaussian(
 ) -> GaussianFit:
     """Least-squares fit of (R,) forces (N) at (R,) distances (m); NaN forces are left out.
 
-    `centre` is b (the thesis counts positions so that it is 12 mm); `free_centre` fits it. `mirror` reflects a one-sided scan.
-    `step` (N) of the converter and `noise` (N, standard deviation) as they are declared: no standard error is smaller than theirs,
-    noise^2 + step^2 / 12, however well a few readings on a grid may fit.
+    `centre` is b (12 mm in the thesis's coordinates); `free_centre` fits it. `mirror` reflects a one-sided scan. `step` (N) of the
+    converter and `noise` (N, standard deviation) are as declared: the variance of a reading is taken to be at least noise^2 + step^2 / 12,
+    however well a few readings on a grid may fit.
     """
     distance, force = np.asarray(distance, float), np.asarray(force, float)
     known = np.isfinite(force)
@@ -96,7 +96,7 @@ def _no_fit(samples: int, reason: str) -> GaussianFit:
 
 
 def _start(x: np.ndarray, y: np.ndarray, centre: float) -> np.ndarray | None:
-    """The best (a, b, c) on a grid of widths, a being linear; None where the widest is the best or nothing is positive."""
+    """The best (a, b, c) on a grid of widths c, with a by linear least squares; None where the widest is the best, or a is not positive."""
     span = np.ptp(x)
     widths = np.geomspace(span / 50.0, 5.0 * span, 60)
     shapes = np.exp(-(((x - centre) / widths[:, None]) ** 2))
@@ -129,7 +129,8 @@ def _filled(start: np.ndarray, free: np.ndarray, p: np.ndarray) -> np.ndarray:
 
 
 def _standard_errors(jacobian: np.ndarray, mean_square: float, independent: int, least: float) -> np.ndarray:
-    """Mirrored samples are no new information: the covariance is that of the `independent` samples before mirroring."""
+    """Standard errors of the fitted parameters. Mirrored samples add no information, so they are those of the `independent` samples before
+    mirroring, with a variance of at least `least`."""
     n, k = jacobian.shape
     variance = max(mean_square * independent / max(independent - k, 1), least)
     return np.sqrt(np.diag(np.linalg.pinv(jacobian.T @ jacobian)) * variance * n / independent)

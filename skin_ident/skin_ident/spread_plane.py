@@ -1,4 +1,4 @@
-"""The Gaussian spread over taxels in a plane, from what each of them feels of one contact, weighted by how well that is known.
+"""Fits the Gaussian spread over taxels in a plane to what each of them feels of one contact, weighted by the standard errors.
 
 f(x, y) = a exp(-((x - bx)^2 + (y - by)^2) / c^2)
 """
@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-FEWEST = 5  # taxels for four unknowns
+FEWEST = 5  # taxels needed for four unknowns
 
 
 @dataclass(frozen=True)
 class PlaneFit:
-    """a (as f), bx, by, c (m) with standard errors; r2, weighted. `reason` is empty, or says why there is no fit."""
+    """a (in the unit of f), bx, by, c (m) with their standard errors; weighted r2. `reason` is empty, or says why there is no fit."""
 
     a: float
     bx: float
@@ -24,7 +24,7 @@ class PlaneFit:
     reason: str = ""
 
     def as_dict(self) -> dict[str, object]:
-        """With units in the names."""
+        """The fit as a dictionary, with units in the names."""
         if self.reason:
             return {"reason": self.reason}
         names = ("a", "x_mm", "y_mm", "c_mm")
@@ -36,7 +36,8 @@ class PlaneFit:
 def fit_plane(positions: np.ndarray, felt: np.ndarray, std: np.ndarray) -> PlaneFit:
     """Weighted least squares over (T, 2) positions (m) and (T,) values with their standard errors.
 
-    Where the scatter is larger than `std` says, the errors grow with it; where it is smaller, as of values on a coarse grid, they stay.
+    Where the residuals are larger than `std` says, the standard errors are enlarged to match. Where they are smaller, as for values on a
+    coarse grid, the standard errors are kept.
     """
     nan = float("nan")
     if felt.size < FEWEST or np.linalg.matrix_rank(positions - positions.mean(axis=0), tol=1e-9) < 2:
@@ -60,7 +61,7 @@ def fit_plane(positions: np.ndarray, felt: np.ndarray, std: np.ndarray) -> Plane
 
 
 def _start(positions: np.ndarray, felt: np.ndarray) -> np.ndarray:
-    """Centre and width from moments."""
+    """Initial values: centre and width from moments."""
     share = np.maximum(felt, 0.0) / np.maximum(felt, 0.0).sum()
     centre = share @ positions
     width = np.sqrt(max(float(share @ np.sum((positions - centre) ** 2, axis=1)), 1e-12))

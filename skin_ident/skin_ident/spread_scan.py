@@ -19,7 +19,7 @@ class SpreadScan:
     depth     (D,)    m, indentation depth of each row, positive
     distance  (R,)    m, from the taxel's centre to the plunger's axis, increasing; negative on the other side
     force     (D, R)  N, sensed force, compression positive; NaN where a measurement was lost
-    direction         x or y, along which the plunger was moved; empty where that is not known
+    direction         x or y, along which the plunger was moved; empty where it is not known
 
     Raises `SpreadScanError` for shapes that do not match, distances that do not increase and rows with fewer than 3 forces.
     """

@@ -1,4 +1,4 @@
-"""Where flags hold: stretches of True in a row of samples."""
+"""Runs of True in a mask over samples."""
 
 from collections.abc import Callable, Iterable
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 def runs(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where runs of True in a mask (N,) begin and end (exclusive)."""
+    """Begins and ends (exclusive) of the runs of True in a mask (N,)."""
     change = np.diff(np.concatenate([[0], mask.astype(np.int8), [0]]))
     return np.flatnonzero(change > 0), np.flatnonzero(change < 0)
 
@@ -20,7 +20,7 @@ def marked(n: int, stretches: Iterable[tuple[int, int]]) -> np.ndarray:
 
 
 def without(mask: np.ndarray, dropped: Callable[[int, int], bool]) -> np.ndarray:
-    """The mask (N,) without its runs a..b (b exclusive) that are `dropped`."""
+    """The mask (N,) without those of its runs a..b (b exclusive) for which `dropped(a, b)` is true."""
     out = mask.copy()
     for a, b in zip(*runs(mask), strict=True):
         if dropped(a, b):

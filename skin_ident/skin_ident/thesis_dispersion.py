@@ -1,15 +1,16 @@
 """What the thesis's own Tables 4-4 to 4-7 say about its dispersion model, beyond what the thesis says about them.
 
-The free mass. In eq 27 the mass stands before (a - g). On a slow sine a is a ten-thousandth of g, so the "mass" is a constant force of
--m g: 2.65, 2.08 and 1.96 N for 2, 4 and 6 mm. Held at its true 0.2 to 0.6 g instead, that force must go elsewhere, and on a sine
-x = A sin(B t) + C least squares puts it into the stiffness of the load cell's equation alone:
+The free mass. In eq 27 the mass multiplies (a - g). On a slow sine a is a ten-thousandth of g, so the "mass" is in fact a constant force
+-m g: 2.65, 2.08 and 1.96 N for 2, 4 and 6 mm. Where the mass is held at its true 0.2 to 0.6 g, another parameter must take up that force.
+On a sine x = A sin(B t) + C, least squares puts it into the stiffness of the load cell's equation alone:
 
     k2 falls by  m g C / (C^2 + A^2 / 2)
 
 The printed falls of k2 (7016, 2645 and 1669 N/m) then tell how deep the thesis pressed, which it does not say.
 
-The speed. Going from 0.25 to 1 mm/s, the coefficients of eq 32 in Table 4-7 grow as speed^1 (dampings) and about speed^2 (stiffnesses), at
-constant shares. Material constants would not change at all; a response that depends on the path and not on the time taken changes so.
+The speed. From 0.25 to 1 mm/s, the coefficients of eq 32 in Table 4-7 grow as speed^1 (dampings) and about speed^2 (stiffnesses), at
+constant shares. Material constants would not change at all. A response that depends on the path, and not on the time taken, changes in just
+this way.
 """
 
 from dataclasses import dataclass
@@ -24,7 +25,8 @@ THICKNESSES = (2, 4, 6)  # mm
 
 @dataclass(frozen=True)
 class FreeMass:
-    """One thickness: the free and the known mass (kg), the constant force between them (N), the (C^2 + A^2 / 2) / C of the motion (m)."""
+    """One thickness: the free and the known mass (kg), the constant force that their difference stands for (N), and `depth`, the
+    (C^2 + A^2 / 2) / C of the motion (m)."""
 
     thickness_mm: int
     mass: float
@@ -39,7 +41,7 @@ class FreeMass:
 
 
 def free_masses() -> tuple[FreeMass, ...]:
-    """From Tables 4-4 (mass free) and 4-5 (mass fixed)."""
+    """The free mass of every thickness, from Tables 4-4 (mass free) and 4-5 (mass fixed)."""
     return tuple(_free_mass(mm) for mm in THICKNESSES)
 
 
@@ -52,7 +54,8 @@ def _free_mass(mm: int) -> FreeMass:
 
 @dataclass(frozen=True)
 class SpeedExponents:
-    """How the denominator of eq 32 grows with speed between two experiments, as powers of it; and the shares k1 / (k1 + k2) of both."""
+    """The exponents with which damping and stiffness in the denominator of eq 32 grow with speed between two experiments, and the shares
+    k1 / (k1 + k2) of both."""
 
     damping: float
     stiffness: float
@@ -60,7 +63,7 @@ class SpeedExponents:
 
 
 def speed_exponents() -> tuple[SpeedExponents, ...]:
-    """Experiment 1 of Table 4-7 against each faster one."""
+    """The exponents between experiment 1 of Table 4-7 and each other experiment, which is faster."""
     slow, *fast = transfer_functions()
 
     def exponents(f) -> SpeedExponents:

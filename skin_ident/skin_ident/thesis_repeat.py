@@ -1,4 +1,4 @@
-"""The thesis's experiments, repeated on its rig in simulation and identified anew: Tables 4-4, 4-5 and 4-7, and its validation.
+"""The thesis's experiments, repeated on a simulation of its rig and identified again: Tables 4-4, 4-5 and 4-7, and its validation.
 
 The specimen has the parameters of Table 4-5; load cell, FlexiForce, converter and encoder are those of chapter 3. The motion is the sine
 x = A sin(B t) + C from the surface to the depth that Tables 4-4 and 4-5 together imply (`thesis_dispersion`).
@@ -27,9 +27,9 @@ ENCODER = 5e-6 / 3  # m: the stage's accuracy of 5 um as three standard deviatio
 IDEAL = FlexiForce(hysteresis=0.0, drift=0.0, noise=3e-3)
 AS_SOLD = FlexiForce(hysteresis=0.02, drift=0.03, noise=3e-3)
 LOAD_CELL = LoadCell(noise=2e-3)
-PERIOD = 16.0  # s
-DEEPEST = {2: 0.3e-3, 4: 1.0e-3, 6: 1.5e-3}  # m, of the validation, section 4.3.2
-SPEED = 1e-3  # m/s, of its moves
+PERIOD = 16.0  # s, of the sine
+DEEPEST = {2: 0.3e-3, 4: 1.0e-3, 6: 1.5e-3}  # m, largest depth of the validation by thickness (mm), section 4.3.2
+SPEED = 1e-3  # m/s, of the validation's moves
 TRIALS = 3
 PRINTED = {2: 0.0370, 4: 0.0628, 6: 0.0173}  # relative mean squared errors of the validation
 PRINTED_FRUBBER = 0.155
@@ -41,7 +41,7 @@ def specimen(case: FreeMass) -> Dispersion:
 
 
 def sine(case: FreeMass, share: float = 0.95) -> Motion:
-    """Four periods of the identification motion, `share` of its amplitude above its own middle."""
+    """Four periods of the identification motion about its mean depth, with `share` of its amplitude."""
     t, w = np.arange(round(4 * PERIOD / DT)) * DT, 2 * np.pi / PERIOD
     a = share * case.amplitude
     return Motion(t, case.amplitude + a * np.sin(w * t), a * w * np.cos(w * t), -a * w**2 * np.sin(w * t), DT)
@@ -58,7 +58,7 @@ def random_moves(thickness_mm: int, seed: int) -> Motion:
 
 
 def recorded(skin: Dispersion, s: Motion, seed: int, taxel: FlexiForce) -> Recording:
-    """What chapter 3's rig records of it."""
+    """The recording that the rig of chapter 3 makes of a skin under the motion `s`."""
     response = Model(skin, (1.0,)).simulate(s)
     return Recording(
         name=f"trial {seed}",
@@ -75,7 +75,7 @@ def recovered(case: FreeMass, taxel: FlexiForce = IDEAL) -> Estimate:
 
 
 def free_and_fixed(case: FreeMass) -> tuple[Estimate, Estimate]:
-    """The same trial, one that holds the constant force which Table 4-4 calls a mass, fitted as in Tables 4-4 and 4-5."""
+    """One trial, whose force contains the constant that Table 4-4 calls a mass, fitted as in Table 4-4 (mass free) and 4-5 (mass fixed)."""
     free = estimates("4-4", f"{case.thickness_mm}mm")
     skin = Dispersion(m=free["m"].value, **{name: free[name].value for name in NAMES})
     s = sine(case)
@@ -88,7 +88,8 @@ def free_and_fixed(case: FreeMass) -> tuple[Estimate, Estimate]:
 
 
 def validation(case: FreeMass, runs: int = 10) -> np.ndarray:
-    """Relative mean squared errors (runs,) of the sensed force under random moves, predicted from a sine on the same data-sheet taxel."""
+    """Relative mean squared errors (runs,) of the sensed force under random moves, predicted by a model that was fitted to a sine with the
+    same taxel (of data-sheet quality)."""
     out, skin = [], specimen(case)
     for seed in range(runs):
         fit = fit_dispersion([recorded(skin, sine(case), 10 * seed, AS_SOLD)], case.known)
@@ -100,7 +101,8 @@ def validation(case: FreeMass, runs: int = 10) -> np.ndarray:
 
 
 def averages(case: FreeMass, runs: int = 10) -> np.ndarray:
-    """The same (runs,) as the thesis did it: Table 4-5's averages for a sample that scatters as its samples do, on another taxel."""
+    """The same (runs,), as the thesis did it: predicted by the averages of Table 4-5, for a sample drawn with the scatter of its samples,
+    and with another taxel."""
     out, spread = [], estimates("4-5", f"{case.thickness_mm}mm")
     for seed in range(runs):
         rng, moves = np.random.default_rng([case.thickness_mm, seed, 1]), random_moves(case.thickness_mm, seed)
@@ -113,7 +115,7 @@ def averages(case: FreeMass, runs: int = 10) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Frubber:
-    """Relative mean squared errors of predicting experiment 3 (1 mm/s): by experiment 2 (1 mm/s), by 1 (0.25 mm/s), by their average."""
+    """Relative mean squared errors of predicting experiment 3 (1 mm/s) by experiment 2 (1 mm/s), by 1 (0.25 mm/s), and by their average."""
 
     same_speed: float
     slower: float
@@ -121,7 +123,7 @@ class Frubber:
 
 
 def frubber() -> Frubber:
-    """Table 4-7's transfer functions on one and the same random force, without any noise: what the choice of speed alone does."""
+    """The errors of Table 4-7's transfer functions on the same random force without noise: the effect of the choice of speed alone."""
     one, two, three = (np.array([f.b1, f.k1, f.b1 + f.b2, f.k1 + f.k2]) for f in transfer_functions())
     u = np.maximum(0.0, Model(Dispersion(m=0.0, b1=0.0, k1=6e3, b2=0.0, k2=0.0), (1.0,)).simulate(random_moves(4, 1)).taxels[0])
 

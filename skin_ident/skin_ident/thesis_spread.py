@@ -1,4 +1,4 @@
-"""Fits the thesis's own spread scans again and tells where Tables 4-8 and 4-9 do not follow from Tables 4-10 and 4-11."""
+"""Fits the thesis's own spread scans again and reports where Tables 4-8 and 4-9 do not follow from Tables 4-10 and 4-11."""
 
 from collections.abc import Iterator
 
@@ -10,7 +10,7 @@ from skin_models.thesis.comparison import Comparison, Disagreement, compare, dis
 from skin_models.thesis.tables import scan, table
 
 CENTRE = 12e-3  # m, where the thesis puts the taxel
-SCANS = {"4-8": "4-10", "4-9": "4-11"}  # table of fits: table of its scan
+SCANS = {"4-8": "4-10", "4-9": "4-11"}  # table of fits: table of the scan that was fitted
 NAMES = {"4-10": "silicone 4 mm (thesis Table 4-10)", "4-11": "Frubber 4 mm (thesis Table 4-11)"}
 
 _TYPO = "a of 9.28 goes with the printed c and R^2; no rounding of the scan gives 9.23: one digit misprinted"
@@ -23,12 +23,12 @@ def thesis_scan(name: str) -> SpreadScan:
 
 
 def spread_comparisons() -> list[Comparison]:
-    """a, c and R^2 of every depth of Tables 4-8 and 4-9, printed beside recomputed. Rows printed as NA are left out."""
+    """Printed and recomputed a, c and R^2 for every depth of Tables 4-8 and 4-9. Rows printed as NA are left out."""
     return [c for fits, scans in SCANS.items() for c in _rows(fits, scans)]
 
 
 def spread_disagreements() -> list[Disagreement]:
-    """The entries of Tables 4-8 and 4-9, and of the text about them, that their scans do not give."""
+    """The entries of Tables 4-8 and 4-9, and of the text about them, that do not follow from their scans."""
     return disagreements_of([*spread_comparisons(), _centre_error()])
 
 
