@@ -66,14 +66,17 @@ def _ratios(sessions: list[Session], mass: float) -> Model:
 
 
 def _under_recovery(sessions: list[Session], tau: float) -> tuple[float, float, np.ndarray]:
-    """Sum of squared residuals of all taxels with a skin of recovery time tau (s), N^2; tau; and k and b of every taxel (T, 2)."""
+    """Sum of squared residuals of all taxels with a skin of recovery time tau (s), N^2; tau; and k and b of every taxel (T, 2): the same of
+    all where each session has known shares of them (`spread`)."""
     rows: list[list[np.ndarray]] = [[] for _ in sessions[0].channels]
     for s in sessions:
         moved = motion_under(s, of_recovery(tau))
         H = s.band.thin(np.array([moved.x, moved.v]))
-        for taxel, y, w in zip(rows, s.measured, s.weight, strict=True):
-            seen = np.vstack([H, y])[:, w > 0.0]
+        shares = np.ones(len(rows)) if s.spread is None else s.spread
+        for taxel, share, y, w in zip(rows, shares, s.measured, s.weight, strict=True):
+            seen = np.vstack([share * H, y])[:, w > 0.0]
             taxel.append(seen - seen.mean(axis=1, keepdims=True) if seen.size else seen)
     every = [np.concatenate(taxel, axis=1) for taxel in rows]
-    slopes = np.array([np.linalg.lstsq(e[:2].T, e[2], rcond=None)[0] for e in every])
+    alike = [np.concatenate(every, axis=1)] * len(every) if sessions[0].spread is not None else every
+    slopes = np.array([np.linalg.lstsq(e[:2].T, e[2], rcond=None)[0] for e in alike])
     return float(sum(np.sum((e[2] - of @ e[:2]) ** 2) for e, of in zip(every, slopes, strict=True))), tau, slopes

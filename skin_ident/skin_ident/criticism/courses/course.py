@@ -22,7 +22,7 @@ from scipy.optimize import lsq_linear
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, SLOPE, ZERO, after_jump, carried
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course, common_slope, courses
-from skin_ident.criticism.courses.left_by_tare import MORE, Tare, tare_of_drive, tares
+from skin_ident.criticism.courses.left_by_tare import MORE, Tare, drive_rests, tare_of_drive, tares
 from skin_ident.criticism.courses.run import LEAST, Moments, Run
 from skin_ident.criticism.courses.words import said_of
 from skin_ident.criticism.gates.uncertain import Open, own_rows
@@ -90,7 +90,7 @@ def _shows_in_the_air(run: Run, g: "_Ground") -> bool:
         return True
     (row,), before, after = run.course.rows, 0.0, 0.0
     for s in g.sessions:
-        air = s.motion.x <= 0.0
+        air = s.motion.x <= 0.0 if s.drive is None else drive_rests(s)
         e, zero = (s.raw - g.plain[s.name])[row, air], run.values[s.name][row, air]
         before, after = before + float(e @ e), after + float((e - zero) @ (e - zero))
     return after < before

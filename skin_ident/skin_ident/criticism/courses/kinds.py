@@ -88,13 +88,11 @@ def courses(session: Session) -> Iterator[Course]:
             continue
         where = sensor_of(channel, session.n_taxels)
         kinds = [kind for kind in CAUSES if kind[0] in (ZERO, SLOPE) and not (kind == (SLOPE, CONSTANT) and session.spread is not None)]
-        if session.drive is not None:
-            kinds.remove((ZERO, STEPS))  # without a depth it is not known when the plunger is in the air
         yield from (Course(*kind, (c,), where) for kind in kinds)
     taxels = every[session.taxel_rows]
     if session.drive is not None:
         yield from (Course(DELAY, shape, taxels, "clock_taxels") for shape in (STEPS, BEND))
-        yield from (Course(carrier, CONSTANT, every, "load_cell") for carrier in (DRIVE, DRIVEN))
+        yield from (Course(*kind, every, "load_cell") for kind in CAUSES if kind[0] in (DRIVE, DRIVEN))
         return
     yield Course(DEPTH, STEPS, every, "rig")
     clocks = [(every, "clock_depth")]

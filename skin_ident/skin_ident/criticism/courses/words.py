@@ -11,6 +11,8 @@ SIZES = {  # format of a step's size, and the factor from SI to its unit
     DEPTH: ("{:+.1f} µm", 1e6),
     DELAY: ("{:+.2f} ms", 1e3),
     ZERO: ("{:+.3g} N", 1.0),
+    DRIVE: ("{:+.3g} N", 1.0),
+    DRIVEN: ("{:+.1f} %", 1e2),
 }
 UNITS = {SLOPE: "1", DRIVEN: "1", DEPTH: "m", DELAY: "s"}  # units of the values; all others are in N
 START_S = 5.0  # s, from the start of a session, within which a step counts as how the session began
@@ -18,22 +20,19 @@ START_S = 5.0  # s, from the start of a session, within which a step counts as h
 
 def said_of(course: Course, begin: float, moments: np.ndarray, z: np.ndarray) -> Said:
     """One session's course in words and numbers: its steps one by one, or the range of a bend. `begin` is the start of the session, s."""
-    unit, values = UNITS.get(course.carrier, "N"), -z if course.carrier in (DRIVE, DRIVEN) else z
+    unit = UNITS.get(course.carrier, "N")
+    z = -z if course.carrier in (DRIVE, DRIVEN) else z  # what the load cell reads too much
     under_way = course.shape == STEPS and z.size > 0 and float(moments[-1] - begin) > START_S
     words, at = _words(course, moments, z), None if course.shape == CONSTANT else moments
     crept = (course.carrier, course.shape) == (ZERO, BEND)
-    return Said.of(words, values, unit, at, under_way=under_way, crept=crept, adds_up=course.shape in (CONSTANT, STEPS))
+    return Said.of(words, z, unit, at, under_way=under_way, crept=crept, adds_up=course.shape in (CONSTANT, STEPS))
 
 
 def _words(course: Course, moments: np.ndarray, z: np.ndarray) -> str:
-    if course.carrier == DRIVE:
-        return f"{-z[0]:+.3g} N"  # what the load cell reads too much
-    if course.carrier == DRIVEN:
-        return f"{-1e2 * z[0]:+.1f} %"
-    if course.carrier == ZERO and not course.jumps:
-        return f"{z[0]:+.3g} N" if course.shape == CONSTANT else f"from {z[0]:+.3g} to {z[-1]:+.3g} N"
     size, scale = SIZES[course.carrier]
     if course.shape == BEND:
+        if course.carrier == ZERO:
+            return f"from {z[0]:+.3g} to {z[-1]:+.3g} N"
         return f"between {size.format(scale * z.min())} and {size.format(scale * z.max())}"
     if course.shape == CONSTANT:
         return size.format(scale * z[0])

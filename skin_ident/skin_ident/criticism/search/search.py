@@ -8,7 +8,13 @@ from skin_ident.criticism.search.choosing import choose
 from skin_ident.criticism.search.growing import lacking
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import take_alone, take_course
-from skin_ident.criticism.search.own_skin import explained_by_own_skin, settle_skin, take_own_skin, take_own_skin_of_held
+from skin_ident.criticism.search.own_skin import (
+    explained_by_own_skin,
+    settle_skin,
+    take_own_skin,
+    take_own_skin_at_last,
+    take_own_skin_of_held,
+)
 from skin_ident.criticism.search.partly import take_partly
 from skin_ident.criticism.search.rivals import Rival, reach
 from skin_ident.criticism.search.several import single_before_several
@@ -94,7 +100,8 @@ def _believing_none(search: Search, look: _Look) -> bool:
     - what else is wrong in held-out sessions alone;
     - another mass, if nothing has been named;
     - two causes that hide each other, if nothing has been named and hardware does as much as none of the best trials;
-    - a wave.
+    - a wave;
+    - skin parameters of each session's own, though causes that were refused explain more.
     """
     if not (search.doubts or search.hardware) and take_zeros(search):
         return True
@@ -115,6 +122,8 @@ def _believing_none(search: Search, look: _Look) -> bool:
         return True
     if take_wave(search):
         search.end_round(look.survey, search.named[-1].cause)
+        return True
+    if take_own_skin_at_last(search, look.of_skin):
         return True
     search.end_round(look.survey, None, refused=max((t.score for t in look.trials), default=0.0))
     return False
