@@ -37,6 +37,24 @@ def test_a_cause_is_named_at_its_place_and_alone(tmp_path, cause, form, where):
     assert names(found(record_at(tmp_path, ROW, cause, form, where, size=2.0, seed=5, **HOW))) == [(cause, where)]
 
 
+def driven_at(folder, contacts, *hidden, **how):
+    """The same without a depth: a force drives the simulation."""
+    return [replace(r, depth=None) for r in record_at(folder, contacts, *hidden, seed=5, **how, **HOW)]
+
+
+@pytest.mark.parametrize(("cause", "form", "where"), [(None, None, None), ("lag", "one_pole", "taxel_1")])
+def test_the_same_where_a_force_drives_the_test(tmp_path, cause, form, where):
+    recordings = driven_at(tmp_path, ((0, 0), (7, 0), (-7, 0), (4, 0)), cause, form, where, size=2.0)
+    assert names(found(recordings)) == ([(cause, where)] if cause else [])
+
+
+def test_a_fit_to_a_driving_force_starts_from_the_shares_of_each_session(tmp_path):
+    """However little a taxel is pressed in most places, the model itself shares the force alike."""
+    recordings = driven_at(tmp_path, ((-4, 0), (7, 0), (8, 0)))
+    sessions = [prepare(r) for r in with_spread(recordings, layout_of(recordings))]
+    assert dispersion_start(sessions).shares == pytest.approx((1.0,) * 3)
+
+
 @pytest.mark.slow
 def test_the_loop_of_one_taxel_is_named_or_admitted(tmp_path):
     findings = found(record_at(tmp_path, ROW, "hysteresis", None, "taxel_0", size=2.0, seed=5, **HOW))

@@ -76,6 +76,24 @@ def test_a_load_cell_that_drives_the_test_may_itself_be_wrong(tmp_path, zeros, g
     assert len(names) == 1 and {(cause, "load_cell"), (cause, "taxel")} <= {*names, *alternatives}, names
 
 
+@pytest.mark.parametrize("seed", rows((8, 9), 1))
+def test_a_zero_that_jumps_in_a_test_without_depth_is_no_drift(tmp_path, seed):
+    made = make_sessions(None, seed=seed, n_sessions=3, noise="white")[0]
+    recordings = read(tmp_path, made)
+    jumps = [0.02 * r.force.max() * (r.t > share * r.t[-1]) for r, share in zip(recordings, (0.4, 0.6, 0.5), strict=True)]
+    names, _ = named([replace(r, depth=None, taxels=r.taxels + j) for r, j in zip(recordings, jumps, strict=True)][:2])
+    assert names == [("force_offset", "taxel")]
+
+
+@pytest.mark.parametrize("seed", rows((8, 9, 10), 1))
+def test_a_material_test_of_which_one_session_is_stiffer_by_some_percent_has_a_sound_load_cell(tmp_path, seed):
+    """Nothing tells a gain of its only channel from a skin that is another on that day."""
+    recordings = read(tmp_path, [without(s, "taxels") for s in make_sessions(None, seed=seed, n_sessions=3, noise="white")[0]])
+    *first, last = [replace(r, force=g * r.force) for r, g in zip(recordings, (1.0, 1.0, 1.03), strict=True)]
+    names, findings = named(first, [last])
+    assert names == [] and "parameters" in {u["cause"] for u in findings["untestable"]}
+
+
 def test_what_comes_late_in_a_test_without_depth_is_no_damping_below_nothing():
     """Skin with hardly any damping, always pressed, under a taxel that is late by two samples: damping that gave back what it never took
     would explain it."""
