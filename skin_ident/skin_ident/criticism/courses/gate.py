@@ -110,7 +110,7 @@ def _predicted(course: Course, model: Model, s: Session, noise: Whitener, free: 
     feign a speed or leave a spike; and half a session shows more slips than all of it, each of them far off in the blocks between.
     """
     e = residual(model, s)
-    known = fitted(course, model, [s], noise, free).moments if course.carrier in (DEPTH, DELAY) or course.jumps else None
+    known = fitted(course, model, [s], noise, free).moments if course.shape == STEPS or course.wanders else None
     at = known if known and known[s.name].size else None
     block = BRIEF_S if course.wanders else BLOCK_S[course.shape]
     block = min(block, float(np.ptp(s.t)) / FEWEST_BLOCKS) if course.slopes else block
