@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, simulated
-from skin_ident.criticism.courses.carriers import DELAY, DEPTH, ZERO
+from skin_ident.criticism.courses.carriers import ZERO
 from skin_ident.criticism.courses.course import added, fitted
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, WAVE, Course
 from skin_ident.criticism.courses.run import Run
