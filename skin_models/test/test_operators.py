@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from skin_models.operators import lagging
+from skin_models.operators import play as play_module
 from skin_models.operators.draws import BLOCK, Stream, gaussian, uniform, whole
 from skin_models.operators.growing_root import growing_root
 from skin_models.operators.lagging import lagged, lagged_either_way, lagged_in_contact, lagged_in_contact_step, lagged_step_either_way
@@ -31,6 +32,14 @@ def test_play_equals_the_loop(x, r):
 @given(arrays(float, (3, 40), elements=numbers), slack)
 def test_play_of_several_rows_is_that_of_each(x, r):
     assert np.array_equal(play(x, r), [play(row, r) for row in x])
+
+
+@given(arrays(float, (2, 40), elements=numbers), slack)
+def test_play_is_the_same_without_a_compiler(x, r):
+    with pytest.MonkeyPatch.context() as without:
+        without.setattr(play_module, "_compiled", lambda: None)
+        plain = play(x, r)
+    assert np.array_equal(play(x, r), plain)
 
 
 @given(arrays(float, 50, elements=numbers), arrays(float, 50, elements=st.floats(0.0, 3.0)), numbers)

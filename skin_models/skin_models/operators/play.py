@@ -9,16 +9,43 @@ Source: M. Brokate and J. Sprekels, Hysteresis and Phase Transitions, Springer 1
 Dissipation in Hyperbolic Equations, 1996.
 """
 
-import numpy as np
+import ctypes
+from collections.abc import Callable
+from functools import cache
 
+import numpy as np
+from numpy.ctypeslib import ndpointer
+
+from skin_models.native import library
 from skin_models.operators.scan import running_clamp
 
 
 def play(x: np.ndarray, r: float) -> np.ndarray:
-    """The play operator over a whole record, along the last axis: from one turning point to the next, and between them, where x goes one
-    way, up to x - r or down to x + r."""
-    if x.ndim > 1:
-        return np.array([play(row, r) for row in x]).reshape(x.shape)
+    """The play operator over a whole record, along the last axis."""
+    rows = np.ascontiguousarray(x, float).reshape(-1, x.shape[-1])
+    compiled = _compiled()
+    if compiled is None:
+        p = np.array([_from_turn_to_turn(row, r) for row in rows])
+    else:
+        p = np.empty(rows.shape)
+        compiled(rows, p, *rows.shape, r)
+    return p.reshape(x.shape)
+
+
+@cache
+def _compiled() -> Callable | None:
+    """The loop over the samples, compiled, 4 to 17 times as fast as by turning points; None without a compiler."""
+    native, floats = library("play"), ndpointer(float, flags="C")
+    if native is None:
+        return None
+    native.play.argtypes = (floats, floats, ctypes.c_int64, ctypes.c_int64, ctypes.c_double)
+    native.play.restype = None
+    return native.play
+
+
+def _from_turn_to_turn(x: np.ndarray, r: float) -> np.ndarray:
+    """The play operator on one record (N,) in numpy: first the values at the turning points of x, then those between them, where x goes one
+    way and P goes up to x - r or down to x + r."""
     rising = np.diff(x) > 0.0
     turns = np.concatenate([[0], 1 + np.flatnonzero(rising[1:] != rising[:-1]), [x.size - 1]])
     begun = running_clamp(x[turns] - r, x[turns] + r, x[0])
