@@ -8,7 +8,7 @@ import numpy as np
 
 from skin_ident.criticism.array.analysis import ArrayCriticism
 from skin_ident.criticism.array.exchanged import put_right as columns_put_right
-from skin_ident.criticism.array.extending import told
+from skin_ident.criticism.array.extending import as_written
 from skin_ident.criticism.array.joining import array_criticism, joined
 from skin_ident.criticism.array.layout import Layout, layout_of, unplaced
 from skin_ident.criticism.array.proposing import array_directions
@@ -302,9 +302,9 @@ def _with_courses(sessions: list[Session], c: Criticism) -> list[Session]:
 def _with_layout(model: Model, array: ArrayCriticism | str, first: Session) -> Model:
     """The model with what the array shows; with the measured shares if no effect of the catalogue can be so large."""
     try:
-        return told(model, array, first)
+        return as_written(model, array, first)
     except ModelError as error:
-        return told(model, str(error), first)
+        return as_written(model, str(error), first)
 
 
 def _trace(c: Criticism, shown: Model, s: Session, own: Session, held: bool) -> Trace:

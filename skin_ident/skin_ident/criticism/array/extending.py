@@ -37,7 +37,7 @@ NOT_JUDGED = "no: what bends the ratios of taxels is written down only where tho
 TOO_LARGE = "no: an effect of the simulated skin cannot be as large as that"
 
 
-def told(model: Model, a: ArrayCriticism | str, first: Session) -> Model:
+def as_written(model: Model, a: ArrayCriticism | str, first: Session) -> Model:
     """The model as it is written to file: as seen from the contact of the session `first`, with the positions of its taxels."""
     if isinstance(a, str):
         return for_anybody(model)
@@ -58,7 +58,7 @@ def told(model: Model, a: ArrayCriticism | str, first: Session) -> Model:
 
 
 def unwritten(model: Model, a: ArrayCriticism | str) -> dict[Key, str]:
-    """By cause and place: why the model from `told` lacks what was named there."""
+    """By cause and place: why the model from `as_written` lacks what was named there."""
     bent = [e for e in model.effects if is_of_array(e)]
     keys = [(e.cause, e.where) for e in bent]
     if isinstance(a, str):
@@ -126,5 +126,5 @@ def _factors(j: Judged, layout: Layout) -> np.ndarray:
     family = Family(layout)
     own = {name: value for name, value in j.fit.member.items() if name in j.hypothesis.free}
     plain, bent = family.shares({})[0], family.shares(own)[0]
-    told = (plain > SILENT * plain.max()) & (bent > 0.0)
-    return np.where(told, bent / np.where(told, plain, 1.0), 1.0)
+    loud = (plain > SILENT * plain.max()) & (bent > 0.0)
+    return np.where(loud, bent / np.where(loud, plain, 1.0), 1.0)

@@ -63,8 +63,11 @@ def tangents(model: Model, sessions: list[Session], which: tuple[Unknown, ...]) 
 
     def of(s: Session) -> np.ndarray:
         base, others = simulated_again(model, changed, s)
-        changes = [s.band.thin(y - base) * (c / h) for y, c, h in zip(others, scale, steps, strict=True)]
-        return np.array(changes).reshape(len(which), *s.measured.shape)
+        out = np.zeros((len(which), *s.measured.shape))
+        for row, y, c, h in zip(out, others, scale, steps, strict=True):
+            s.band.thin_changes(y - base, row)
+            row *= c / h
+        return out
 
     return [of(s) for s in sessions]
 

@@ -38,7 +38,7 @@ def contradiction(found: Search, s: Setting, scans: list[SpreadScan]) -> str:
 def _alone(m: Member, scan: int, s: Setting) -> float:
     """The noise of one scan by itself, N rms, with all excited parameters of the family projected out."""
     cells = s.cells.only(s.cells.scan == scan)
-    own = Member(m.values, m.k[[scan]], m.free, m.scale, m.steps, m.k_free)
+    own = replace(m, k=m.k[[scan]])
     return _size(estimate(own, replace(cells, scan=np.zeros(len(cells), int)), s.rich, s.floor).noise)
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from skin_ident.criticism.scan.cells import Cells
 from skin_ident.criticism.scan.fault import Fault, mm
-from skin_ident.criticism.scan.rough import Rough
+from skin_ident.criticism.scan.rough import OF_FORCE, Rough
 from skin_ident.criticism.telemetry.symptom import quantity
 from skin_ident.spread_scan import SpreadScan
 from skin_models.thesis.tables import scan as thesis_table
@@ -100,7 +100,7 @@ def _run(a: _Line, b: _Line, q: float, sigma: float) -> tuple[float, int, int]:
 
 def _blame(a: _Line, b: _Line, cut: slice, table: Rough) -> tuple[_Line, _Line]:
     """The line that fits the rest of the table worse (taken for the copy), and the other."""
-    off = [float(np.sum(((line.y - line.expected)[cut] / np.hypot(table.sigma, 0.03 * line.expected[cut])) ** 2)) for line in (a, b)]
+    off = [float(np.sum(((line.y - line.expected)[cut] / np.hypot(table.sigma, OF_FORCE * line.expected[cut])) ** 2)) for line in (a, b)]
     return (a, b) if off[0] > off[1] else (b, a)
 
 

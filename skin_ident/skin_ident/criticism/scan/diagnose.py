@@ -131,4 +131,4 @@ def _resized(m: Member, scan: SpreadScan, cells: Cells) -> Member:
     known = np.isfinite(scan.force.ravel())
     shape = m.through(cells)[known]
     factor = float(shape @ scan.force.ravel()[known]) / max(float(shape @ shape), 1e-300)
-    return Member(m.values, m.k * factor, m.free, m.scale, m.steps, m.k_free)
+    return replace(m, k=m.k * factor)

@@ -1,6 +1,6 @@
 """Fits a member of the family to cells: Levenberg-Marquardt on whitened residuals, the sizes k (one per scan) among the unknowns."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -35,12 +35,12 @@ class Member:
 
     def moved(self, **values: float) -> "Member":
         """The same with these parameter values changed."""
-        return Member(self.values | values, self.k, self.free, self.scale, self.steps, self.k_free)
+        return replace(self, values=self.values | values)
 
     def freeing(self, *names: str) -> "Member":
         """The same with more parameters free."""
         free = tuple(dict.fromkeys((*self.free, *names)))
-        return Member(self.values, self.k, free, self.scale, self.steps, self.k_free)
+        return replace(self, free=free)
 
     @property
     def unknowns(self) -> np.ndarray:
@@ -51,7 +51,7 @@ class Member:
         """The member whose unknowns are x, clipped to their bounds."""
         cut = {n: float(np.clip(v, QUANTITIES[n].lower, QUANTITIES[n].upper)) for n, v in zip(self.free, x, strict=False)}
         k = x[len(self.free) :] if self.k_free else self.k
-        return Member(self.values | cut, k, self.free, self.scale, self.steps, self.k_free)
+        return replace(self, values=self.values | cut, k=k)
 
 
 @dataclass(frozen=True, eq=False)

@@ -124,11 +124,11 @@ def resized(m: Member, seen: Cells) -> Member:
     """`m` with all sizes multiplied by the factor, never negative, that fits the cells `seen` best."""
     factor = 1.0
     for _ in range(3 if m.values["threshold"] or np.isfinite(m.values["ceiling"]) else 1):
-        now = Member(m.values, m.k * factor, m.free, m.scale, m.steps, m.k_free)
+        now = replace(m, k=m.k * factor)
         through = now.through(seen)
         e = seen.y - now.predict(seen)
         factor = max(factor * (1.0 + float(e @ through) / max(float(through @ through), 1e-300)), 0.0)
-    return Member(m.values, m.k * factor, m.free, m.scale, m.steps, m.k_free)
+    return replace(m, k=m.k * factor)
 
 
 def _fall(errors: list[np.ndarray], weight: np.ndarray) -> float:

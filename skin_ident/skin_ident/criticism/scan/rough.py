@@ -13,6 +13,7 @@ from skin_ident.estimators.scale import normal_scale
 
 ROUNDS = 6  # of iterative reweighting
 TUKEY = 4.7  # standard deviations beyond which a reading has practically no weight (Tukey's biweight)
+OF_FORCE = 0.03  # model error of any spread, as a share of the force
 WILD = 3.0  # a row or column that is this many times larger or smaller than the others is not fitted
 
 
@@ -23,7 +24,7 @@ class Rough:
     member: Member
     expected: np.ndarray
     sigma: float
-    relative: float = 0.03  # model error, as a share of the force
+    relative: float = OF_FORCE
     floor: float = 0.0  # lower bound of sigma from the converter's step, N
 
     def strangeness(self, cells: Cells) -> np.ndarray:
@@ -56,7 +57,7 @@ def rough(cells: Cells, floor: float) -> Rough:
         m = fit(m, believed, Whitener(1.0 / np.sqrt(weight)), 15, 1e-4).member
         e = believed.y - m.predict(believed)
         sigma = max(normal_scale(e), floor, 1e-9)
-        allowed = np.hypot(sigma, 0.03 * np.abs(m.through(believed)))
+        allowed = np.hypot(sigma, OF_FORCE * np.abs(m.through(believed)))
         weight = np.maximum(1.0 - (e / (TUKEY * allowed)) ** 2, 0.0) ** 2 + 1e-6
     return Rough(m, m.predict(cells), sigma, floor=floor)
 
@@ -65,7 +66,7 @@ def replace_sizes_for(m: Member, cells: Cells) -> Member:
     """`m` with a size for every scan of `cells`; a scan that was not fitted gets the median size."""
     scans = int(cells.scan.max()) + 1
     k = np.array([m.k[i] if i < m.k.size and m.k[i] else np.median(m.k) for i in range(scans)])
-    return Member(m.values, k, m.free, replace(m.scale), m.steps, m.k_free)
+    return replace(m, k=k)
 
 
 def _wild_rows(cells: Cells) -> np.ndarray:

@@ -26,6 +26,8 @@ from skin_ident.criticism.scan.trials import (
 MOST_FINDINGS = 5  # causes that a search names at most
 SHORTLIST = 4  # causes that are tested at the gate before the search gives up
 PARAMETER = 5.0  # fall of the cost that an exchanged form must bring per additional parameter
+FITS = 1.5  # cost per cell of a model that fits
+BETTER = 1.0  # twice nats by which another form of the same cause must fit better
 REACH = 0.05  # a rival that explains less than the cause by at most this share cannot be told from it
 CLEAR = 20.0  # twice nats: a rival that explains less by more than this is told apart, unless the cause's own misfit is larger still
 FINE = 30.0  # score that a shape needs where placing errors could explain it instead
@@ -108,7 +110,7 @@ def _first_believed(present: Fit, trials: list[Trial], noise: Estimated, s: Sett
 
 def _exchanged(present: Fit, named: list[Named], noise: Estimated, s: Setting) -> tuple[Fit, list[Named]]:
     """Replace a named cause by another one where the whole model then fits better by more than CLOSE, or by another form of the same cause
-    where it fits better by more than 1 (twice nats, less PARAMETER for each additional parameter). The gate must be passed again."""
+    where it fits better by more than BETTER (twice nats, less PARAMETER for each additional parameter). The gate must be passed again."""
     for n in named:
         base = without_candidate(n.candidate, present.member, s.test.start)
         others = taken([o.candidate for o in named if o is not n], s)
@@ -135,7 +137,7 @@ def _better(
             continue
         found = min((fit(m, s.cells, whitener) for m in with_candidate(c, base)), key=lambda f: f.cost)
         more = present.cost - found.cost - PARAMETER * (found.member.unknowns.size - present.member.unknowns.size)
-        if more > (1.0 if c.cause == old.cause else CLOSE) and (best is None or more > best[2]):
+        if more > (BETTER if c.cause == old.cause else CLOSE) and (best is None or more > best[2]):
             best = (c, found, more)
     return best
 
@@ -191,7 +193,7 @@ def _rivals(present: Fit, n: Named, named: list[Named], noise: Estimated, s: Set
     base = fit(without_candidate(n.candidate, present.member, s.test.start), s.cells, j.whitener)
     own = _explained(base, present, s)
     degrees = j.degrees(present, n.candidate.names)
-    misfit = max(present.cost - 1.5 * len(s.cells), CLEAR)  # a rival may fit worse by the cause's own misfit, however much both explain
+    misfit = max(present.cost - FITS * len(s.cells), CLEAR)  # a rival may fit worse by the cause's own misfit, however much both explain
     reach = min(REACH * own, misfit)
     best: dict[str, tuple[Candidate, float]] = {}
     for c in (c for c in s.able if c.cause not in others and not _brings(c, n.candidate)):

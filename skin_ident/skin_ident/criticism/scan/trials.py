@@ -111,9 +111,9 @@ def without_candidate(c: Candidate, m: Member, start: Member) -> Member:
         return sizes_of(m, False, start)
     gone = {n: start.values[n] if n == "width" else QUANTITIES[n].neutral for n in c.names}
     m = m.moved(**gone)
-    return Member(m.values, m.k, tuple(n for n in m.free if n not in c.names or n in start.free), m.scale, m.steps, m.k_free)
+    return replace(m, free=tuple(n for n in m.free if n not in c.names or n in start.free))
 
 
 def sizes_of(m: Member, free: bool, start: Member | None = None) -> Member:
     """`m` with its sizes free or fixed (`free`), and set to those of `start` where it is given."""
-    return Member(m.values, m.k if start is None else start.k, m.free, m.scale, m.steps, free)
+    return replace(m, k=m.k if start is None else start.k, k_free=free)

@@ -168,7 +168,6 @@ def _lay_out(out: np.ndarray, model: Model, which: tuple[Direction, ...], sessio
             continue
         bent = model.bent(run, at_place(d.probed, session))
         felt = _felt(bent, run.response, session)
-        change = rows(bent, session)[felt] - base[felt]
-        changed = np.einsum("cn,cn->c", change, change) > 0.0  # five times as fast as `np.any`
-        out[i, felt][changed] = session.band.thin(change[changed]) / d.amount
+        session.band.thin_changes(rows(bent, session)[felt] - base[felt], out[i, felt])
+        out[i] /= d.amount
     take_shares(out, base, session)

@@ -69,8 +69,8 @@ def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Sess
 
 def _better(one: Model, other: Model, sessions: list[Session]) -> Model:
     """The model with the smaller squared residual over the sessions."""
-    near, far = (sum(float(np.sum(residual(m, s) ** 2 * s.weight)) for s in sessions) for m in (one, other))
-    return one if near <= far else other
+    of_one, of_other = (sum(float(np.sum(residual(m, s) ** 2 * s.weight)) for s in sessions) for m in (one, other))
+    return one if of_one <= of_other else other
 
 
 def _gain_of(model: Model, symptom: Symptom, sessions: list[Session]) -> dict[str, Any]:
