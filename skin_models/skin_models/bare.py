@@ -1,7 +1,7 @@
 """A model without effects under one plunger, sample by sample in plain numbers: for simulations in real time.
 
-`Model.step` holds every signal in arrays, and its state in objects, for the sake of effects that may act anywhere. Where there are none
-it can be told in a few lines, which give the same to the last digit in a fifteenth of the time.
+`Model.step` holds every signal in arrays, and its state in objects, because effects may act anywhere. Without effects a few lines are
+enough, which give the same to the last digit in a fifteenth of the time.
 """
 
 import math
@@ -42,5 +42,5 @@ class BareSkin:
 
 
 def is_bare(model: Model) -> bool:
-    """Whether a model has no effects, so that `BareSkin` tells all of it."""
+    """Whether a model has no effects, so that `BareSkin` is all of it."""
     return not model.effects

@@ -24,7 +24,7 @@ def _is_effect_of(c: object, module: object) -> bool:
 def effect_class(cause: str, where: str, form: str = "") -> type[Effect]:
     """The class that models `cause` at `where` (`taxel_3` finds `taxel`) in one of its forms.
 
-    Raises `ModelError`: of an unknown cause with the causes there are, of a known one with its forms and places.
+    Raises `ModelError`, which lists the causes there are, or for a known cause its forms and places.
     """
     word = "taxel" if where.startswith("taxel") else where
     for c in effects():

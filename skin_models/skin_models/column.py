@@ -1,9 +1,9 @@
 """The skin under many contacts: the model's chain from depth to sensed force, each contact driven by a depth or by a force.
 
-`Columns` are immutable: a step gives new ones. All contacts are stepped at once, as arrays. Driven by a force, the depth is looked for
-whose trial step gives that force (`Model.step` leaves its state as it was, and force grows with depth), so every effect of the skin takes
-part. The search starts from where the contact would go by itself, along the slope that was found at the last sample: two trials where
-the skin is linear between two samples, a few more where it is not.
+`Columns` are immutable: a step gives new ones. All contacts are stepped at once, as arrays. For a contact driven by a force, a root search
+finds the depth whose trial step gives that force (`Model.step` does not change its state, and force grows with depth), so every effect of
+the skin takes part. The search starts from the depth extrapolated at the last speed, along the slope that was found at the last sample:
+two trials where the skin is linear between two samples, a few more where it is not.
 """
 
 from dataclasses import dataclass, replace
@@ -61,7 +61,7 @@ def _joined(a: Columns, b: Columns) -> Columns:
 
 
 def at_rest(skin: Model, keys: tuple[str, ...], dt: float) -> Columns:
-    """Columns that nothing has touched yet, one sample in the air behind them: effects take their first sample as their rest."""
+    """Columns that nothing has touched yet, after one sample in the air, because effects take their first sample as their rest."""
     nothing, d = np.zeros(len(keys)), skin.dispersion
     state = skin.step(skin.initial(), Sample(-dt, nothing, nothing, nothing), dt)[0]
     return Columns(keys, state, nothing, nothing, nothing + max(d.k1 + d.k2, 1.0) + max(d.b1 + d.b2, 0.0) / dt + d.m / dt**2)
@@ -72,8 +72,9 @@ def press(
 ) -> tuple[Columns, np.ndarray, np.ndarray]:
     """One sample: the columns after it, applied and sensed force (C,) N, from forces (C,) N, or depths (C,) m where the force is NaN.
 
-    No force: the contact has left, and the skin springs back to depth 0. Where no depth up to 100 mm gives the force the closest one is
-    taken, and where the force would jump past it the place below the jump; the applied force tells what it got.
+    A force that is not positive means that the contact has left: the skin springs back to depth 0. Where no depth up to 100 mm gives the
+    force, the first depth tried beyond is taken; where the force would jump past it, the depth just below the jump. The applied force
+    that is returned is the one that was reached.
     """
     trial, slope = _Trial(skin, columns, t, dt), columns.slope
     driven = force > 0.0
@@ -110,7 +111,7 @@ class _Trial:
         return self.response.force_truth
 
     def start(self) -> tuple[np.ndarray, np.ndarray]:
-        """The depth above which there is contact, and a first guess of the depth below it, (C,) m."""
+        """The depth beyond which there is contact, and a first guess of the depth that gives the force, (C,) m."""
         c, recovery = self.columns, self.skin.dispersion.recovery
         fading = 1.0 + self.dt / recovery if recovery else np.inf
         surface = c.state.surface

@@ -1,4 +1,4 @@
-"""What a layout can tell, before it is built: where a contact is, and how light it may be.
+"""How well a layout locates a contact, and how light a contact it detects, before it is built.
 
 A contact of force F at p gives the readings
 
@@ -10,9 +10,9 @@ with w the static shares of `SpreadField`. No unbiased estimate of (p, F) from o
 
 and the estimate of maximum likelihood reaches it when the noise is small; `monte_carlo` shows how small. (The bound is local. Near a
 taxel whose neighbours feel little, the mirror place explains the readings as well, and the real error is larger; right on such a taxel
-the bound goes to infinity while the real error stays within the ring that is left.) The error is far below the
+the bound goes to infinity, while the real error stays within the ring of places that explain the readings.) The error is far below the
 taxels' pitch where the spread makes neighbours overlap: hyperacuity (thesis sections 2.2.2 and 4.3.3). A pitch far above the spread's
-width leaves places between the taxels that only one of them feels, where the position cannot be told at any force.
+width leaves places between the taxels that only one of them feels, where the position cannot be determined at any force.
 
 Source: S. M. Kay, Fundamentals of Statistical Signal Processing: Estimation Theory, 1993, ch. 3; Detection Theory, 1998, ch. 4.
 """
@@ -72,7 +72,7 @@ class Design:
 
 
 def localisation_bound(design: Design, position: np.ndarray, force: float) -> np.ndarray:
-    """Smallest root mean square error of the position, (P,) m, of contacts of `force` (N) at (P, 2) m; infinite where it cannot be told.
+    """Smallest root mean square error of the position, (P,) m, of contacts of `force` (N) at (P, 2) m; infinite where it is not determined.
 
     The force is unknown too and is estimated along with the position.
     """
@@ -97,8 +97,8 @@ def detectable_force(design: Design, position: np.ndarray, false_alarm: float = 
 
         F = sigma (z(1 - false_alarm) + z(1 - missed)) / |w|
 
-    The place is taken as known; searching N places for a contact raises the false alarms N-fold. Raises `ModelError` for probabilities
-    that are none.
+    The place is taken as known; searching N places for a contact raises the false alarms N-fold. Raises `ModelError` for values
+    that are not probabilities.
     """
     if not (0.0 < false_alarm < 1.0 and 0.0 < missed < 1.0):
         raise ModelError(f"false alarms and misses are probabilities between 0 and 1, not {false_alarm} and {missed}")
@@ -149,7 +149,7 @@ def _most_likely(design: Design, readings: np.ndarray, start: np.ndarray, rounds
 
 
 def _explained(w: np.ndarray, readings: np.ndarray) -> np.ndarray:
-    """Likelihood gained by a contact at (G,) places with the best positive force, (N, G)."""
+    """Log-likelihood gained by a contact at (G,) places with the best positive force, times 2 sigma^2: (N, G), N^2."""
     return np.maximum(readings @ w.T, 0.0) ** 2 / np.maximum((w**2).sum(axis=1), 1e-300)
 
 

@@ -22,7 +22,7 @@ from skin_models.errors import ModelError
 from skin_models.parameter import check_parameters, quantity
 from skin_models.signals import GRAVITY, Motion, Sample
 
-SOON, PIECE = 8, 256  # samples that are looked at one by one, and at once
+SOON, PIECE = 8, 256  # samples that are checked one by one; then so many at once
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Dispersion:
 
     @property
     def free_stiffness(self) -> float:
-        """k1 - b1 / tau, N/m: what a taxel feels of the depth of skin that recovers by itself; 0 for skin that is back at once."""
+        """k1 - b1 / tau, N/m: force on a taxel per depth of the surface while untouched skin recovers; 0 for skin that is back at once."""
         return self.k1 - self.b1 / self.recovery if self.recovery else 0.0
 
     def meet(self, surface: Surface | None, s: Sample, dt: float) -> Surface:
@@ -86,8 +86,11 @@ class Dispersion:
         return self.free_stiffness * surface.depth * (1 - surface.touched)
 
     def unpulled(self, forces: np.ndarray) -> np.ndarray:
-        """Sensed and dispersed force (2,) or (2, N) of skin that cannot pull at the plunger: where they add up to less than nothing, its
-        surface comes back as much slower as lets them hold each other, b1 of b1 + b2 of it on the sensed branch."""
+        """Sensed and dispersed force (2,) or (2, N) of skin that cannot pull at the plunger.
+
+        Where they add up to less than zero, the surface recovers so much more slowly that they cancel: the sensed force takes the share
+        b1 / (b1 + b2) of the correction, and the dispersed force is its opposite.
+        """
         total = forces[0] + forces[1]
         pulls = total < 0.0
         if not pulls.any():  # nearly always, and this runs for every single sample
@@ -109,9 +112,9 @@ class Dispersion:
         rate = s.dt / self.recovery if self.recovery else np.inf
         changes = np.flatnonzero(presses[1:] != presses[:-1]) + 1
         ends = [0, *changes.tolist(), presses.size]
-        flights, met = [], 0  # from where to where it is in the air, and how deep the surface was
+        flights, met = [], 0  # of each flight the first sample in the air, that of the next contact, and the depth of the surface at first
         for left, pressed in zip(ends[bool(presses[0]) :: 2], ends[1 + bool(presses[0]) :: 2], strict=False):
-            if pressed > met:  # or it has not come back to the surface meanwhile
+            if pressed > met:  # else it has not met the surface again since the last flight
                 left = max(left, met)
                 surface = max(float(s.x[left - 1] if left else s.x[0]), 0.0)
                 met = _met(s.x, presses, left, pressed, surface, rate)
@@ -123,8 +126,11 @@ class Dispersion:
 
 
 def _met(x: np.ndarray, presses: np.ndarray, left: int, pressed: int, surface: float, rate: float) -> int:
-    """The sample at which a plunger at depths `x` meets a surface again that has recovered by `rate` per sample since it was `left`: nearly
-    always soon after it is `pressed` again."""
+    """Index of the sample at which a plunger at depths `x` meets the surface again, `x.size` if it never does.
+
+    The surface was at depth `surface` when it was left at sample `left`, and has recovered by `rate` per sample since. From sample
+    `pressed` on the plunger may press again, and nearly always meets the surface soon after.
+    """
     soon = min(pressed + SOON, x.size)
     for n in range(pressed, soon):
         if presses[n] and x[n] > (surface and surface * math.exp(-rate * (n - left + 1))):
@@ -138,7 +144,7 @@ def _met(x: np.ndarray, presses: np.ndarray, left: int, pressed: int, surface: f
 
 
 def _recovering(x: np.ndarray, flights: list[tuple[int, int, float]], rate: float) -> Surface:
-    """A surface that is where the plunger is, at depths `x`, and comes back by `rate` per sample while that is in the air."""
+    """The surface over a recording: at the plunger's depths `x` in contact, and recovering by `rate` per sample during its `flights`."""
     touched, depth = np.ones(x.size, bool), np.maximum(x, 0.0)
     if flights:
         left, met, surface = np.array(flights).T

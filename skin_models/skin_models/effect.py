@@ -12,7 +12,7 @@ An effect takes the signal that passes its place and returns it changed. The sig
     SPREAD     share of the sensed force on every taxel      (T,),   or (T, N)
     TAXEL      sensed force of every taxel                   (T,),   or (T, N)   N, compression positive
 
-A clock is no place of its own: an effect of the clock acts at the place of the channel that is late.
+A clock has no place of its own: an effect of the clock acts at the place of the channel that is late.
 
 Effects are either `Memoryless` (a function of the present) or `Dynamic` (explicit state, exact or convergent stepping); both come as
 one sample at a time and as a whole recording, and the two agree. A class is abstract or final: nobody overrides an effect.
@@ -55,11 +55,11 @@ class Effect(ABC):
     places: ClassVar[Mapping[str, Place]]
     source: ClassVar[str]  # where in the literature the form comes from
     linear: ClassVar[bool] = False  # in its amplitudes: then `regressors` gives what each of them multiplies
-    finds_taxels: ClassVar[bool] = False  # looks at where the taxels are: the footprint of a sample or a motion
+    finds_taxels: ClassVar[bool] = False  # uses the positions of the taxels: the footprint of a sample or a motion
     form: ClassVar[str] = ""  # tells several forms of one cause at one place apart; the plainest has none
-    refines: ClassVar[type | None] = None  # the form that this one equals when it is small, and in whose place it is tried
-    proposed: ClassVar[bool] = True  # False: it is simulated, and no recording is asked whether it has it
-    only_if_shown: ClassVar[bool] = False  # only of recordings that themselves show the cause is it asked: others use it as something else
+    refines: ClassVar[type | None] = None  # the form that this one equals when it is small; it is tried as its replacement
+    proposed: ClassVar[bool] = True  # False: it can be simulated, but no diagnosis proposes it as a cause
+    only_if_shown: ClassVar[bool] = False  # proposed only where recordings themselves show the cause: elsewhere it stands in for others
 
     where: str
 
@@ -131,9 +131,9 @@ class Effect(ABC):
 
     @classmethod
     def shapes(cls, s: Motion) -> Iterator[dict[str, float]]:
-        """The settings of the SHAPE parameters among which a proposal of this cause is profiled: the product of their grids.
+        """Yields the settings of the SHAPE parameters on which a proposal of this cause is profiled: the product of their grids.
 
-        None for an effect that is not proposed, or has a SHAPE parameter without a grid.
+        Yields nothing for an effect that is not proposed, or has a SHAPE parameter without a grid.
         """
         if not cls.proposed:
             return

@@ -63,8 +63,8 @@ class LiveModel:
 def under_plunger(model: Model, layout: Layout, kernel: Kernel, radius: float = 0.0) -> Model:
     """The model with the positions and shares of `layout`, for a plunger of `radius` (m) at the origin.
 
-    A model that already has as many shares as there are taxels keeps them: they were measured. One of a single taxel lends its share to
-    what lies right under the plunger.
+    A model that already has as many shares as there are taxels keeps them: they were measured. The share of a model of a single taxel
+    becomes that of a taxel right under the plunger.
     """
     positions = tuple(map(tuple, layout.positions[:, :2].tolist()))
     if len(model.shares) == len(layout):

@@ -23,7 +23,7 @@ from skin_models.spread.kernels import Kernel
 from skin_models.spread.noted import kernel_of
 
 _PRESSED = Surface(0.0, True)
-_TELLING = 1e-3  # of the share under a contact: a taxel that felt less than that says nothing of its own gain
+_TELLING = 1e-3  # relative to the share right under a contact: a taxel that felt less does not determine its own gain
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,9 @@ class Model:
     """A testbed: one specimen of skin, its taxels, and every effect that departs from the plain dispersion model.
 
     `shares` is each taxel's share of the sensed force: 1 for a taxel under the plunger, less beside it; empty for a material test
-    without taxels. Effects act in the order of the chain's places, and at one place in the order given (in the spread in theirs).
-    `positions` (T, 2) says where the taxels are, m, from the place to which the shares belong; empty where nobody knows. With them a
-    contact may move across the skin (`lateral` of a sample or a motion), and effects of the spread can act.
+    without taxels. Effects act in the order of the chain's places, and at one place in the order given (those of the spread by their
+    `rank`). `positions` (T, 2), m, are those of the taxels relative to the contact for which the shares hold; empty where they are not
+    known. With them a contact may move across the skin (`lateral` of a sample or a motion), and effects of the spread can act.
     """
 
     dispersion: Dispersion
@@ -88,7 +88,7 @@ class Model:
         return replace(self, effects=tuple(e for e in self.effects if e is not effect))
 
     def listed_as(self, i: int, parameter: str) -> str:
-        """What tables call a parameter of effect `i`: cause.where.name, from the second effect of the same cause and place on name_2, …"""
+        """A parameter of effect `i` as named in tables: cause.where.name, with name_2, … from the second of one cause and place on."""
         keys = [(e.cause, e.where) for e in self.effects[: i + 1]]
         number = keys.count(keys[i])
         return ".".join((*keys[i], parameter)) + (f"_{number}" if number > 1 else "")
@@ -105,7 +105,7 @@ class Model:
         return State(tuple(e.initial(rng) for e, rng in zip(self.effects, self._generators(seed), strict=True)))
 
     def step(self, state: "State", s: Sample, dt: float) -> tuple["State", Response]:
-        """One sample, `dt` s after the last: `state, response = step(state, sample, dt)`. `state` is left as it was: a step can be tried.
+        """One sample, `dt` s after the last: `state, response = step(state, sample, dt)`. `state` is not changed: a step can be tried.
 
         Raises `ModelError` unless time advances.
         """
@@ -120,27 +120,29 @@ class Model:
         return [None if seed is None else np.random.default_rng([seed, i]) for i in range(len(self.effects))]
 
     def trace(self, s: Motion) -> "Run":
-        """A simulation with the signals between its places, for `bent`."""
+        """A simulation that keeps the signals between its places, for `bent` and `again`."""
         s = self._laid(s)
         tip = self._tip(s)
         signals = s.once("run", (self, id(self.notes)), lambda: self._from_tip(s, tip, _in_batch, self.dispersion.surface).signals)
         return Run(s, tip, *signals)
 
     def _tip(self, s: Motion) -> Motion:
-        """The motion of the tip: one and the same for all models of these effects of the depth, so that it remembers, too."""
+        """The motion of the tip. Models with the same DEPTH effects get one and the same object, so they share what it caches, too."""
         bends = self.at(Place.DEPTH)
         return s.once("tip", bends, lambda: s.at_depth(self._through(Place.DEPTH, s.x, s, _in_batch))) if bends else s
 
     def bent(self, run: "Run", e: Effect) -> Response:
-        """What `extended(e).simulate` would give, at the cost of what lies behind the place of `e` alone."""
+        """The response of `extended(e).simulate`, at the cost of recomputing only what lies downstream of the place of `e`."""
         past = {Place.SKIN: run.skin, Place.SURFACE: run.surface, Place.LOAD_CELL: run.response.force, Place.TAXEL: run.response.taxels}
         if e.place in past:
             return self._behind(run, e.place, e.batch(past[e.place], run.tip))
         return self.extended(e).again(run, e.place)
 
     def again(self, run: "Run", place: Place) -> Response:
-        """What `simulate` would give for the motion of `run`, a run of a model that differs from this one in shares or effects at `place`
-        alone, at the cost of what lies behind it."""
+        """The response of `simulate` to the motion of `run`, at the cost of recomputing only what lies downstream of `place`.
+
+        `run` must come from a model that differs from this one only in shares or effects at `place`.
+        """
         if place is Place.DEPTH:
             return self.simulate(run.motion)
         if place is Place.SPREAD:
@@ -148,7 +150,7 @@ class Model:
         return self._behind(run, place, self._through(place, self._into(run, place), run.tip, _in_batch))
 
     def _into(self, run: "Run", place: Place) -> np.ndarray:
-        """The signal that comes to a place."""
+        """The signal that enters a place."""
         if place is Place.SKIN:
             return self.dispersion.branches(run.tip)
         if place is Place.SURFACE:
@@ -156,7 +158,7 @@ class Model:
         return run.response.force_truth if place is Place.LOAD_CELL else run.response.taxels_truth
 
     def _behind(self, run: "Run", place: Place, y: np.ndarray) -> Response:
-        """The response where `y` leaves a place, and all before it is as in `run`."""
+        """The response where `y` is the output of a place, and everything upstream of it is as in `run`."""
         if place is Place.SKIN:
             return self._from_skin(run, y, _in_batch).response
         if place is Place.SURFACE:
@@ -181,7 +183,7 @@ class Model:
         return self._from_surface(Run(run.motion, run.tip, run.contact, skin), surface, act)
 
     def _pressing(self, run: "Run", skin: Any) -> Any:
-        """What of the skin's forces presses on the surface, (2,) or (2, N)."""
+        """The skin's forces that press on the surface, (2,) or (2, N): zero out of contact, and without a pull unless `pressed`."""
         return (skin if _pressed(run.tip) else self.dispersion.unpulled(skin)) * run.contact.touched
 
     def _from_surface(self, run: "Run", surface: Any, act: Callable) -> "Run":
@@ -209,7 +211,7 @@ class Model:
                 raise ModelError("a contact that moves across the skin needs a model with the positions of its taxels")
             return s
         if s.lateral is None and isinstance(s, Sample) and not self._finds_taxels:
-            return s  # for speed: nobody would look
+            return s  # for speed: no effect would use the footprint
         offset = self._places.positions.T
         if s.lateral is not None:
             lateral = np.asarray(s.lateral, float)
@@ -232,7 +234,10 @@ class Model:
 
     @cached_property
     def _gains(self) -> np.ndarray:
-        """The share of every taxel right under a contact, (T,), as far as its share tells; else that of the one nearest to the contact."""
+        """The share that every taxel would have right under a contact, (T,): its share divided by the kernel at its place.
+
+        A taxel that felt too little for that (`_TELLING`) gets the value of the one nearest to the contact.
+        """
         felt = self._kernel.shape(self._kernel.distance(*self._places.positions.T))
         gains = np.array(self.shares) / np.maximum(felt, 1e-300)
         return np.where(felt > _TELLING, gains, gains[np.argmax(felt)])
@@ -278,7 +283,7 @@ class Run:
 
     @property
     def signals(self) -> tuple[Any, ...]:
-        """All but the motion, of which it may be remembered."""
+        """All but the motion and that of the tip: what `trace` caches with the motion."""
         return self.contact, self.skin, self.surface, self.shares, self.response
 
 
@@ -306,7 +311,7 @@ class _Stepper:
         return y
 
     def moved(self, s: Sample, x: float) -> Sample:
-        """The sample at the depth that the DEPTH effects make of it, and the speed that follows from the last one."""
+        """The sample at depth `x`, to which the DEPTH effects moved it; its speed grows by the backward difference of that shift."""
         self.shift = x - s.x
         last = self.shift if self.before.shift is None else self.before.shift
         if x is s.x and isinstance(last, float) and last == 0.0:  # one contact, and nothing acts there

@@ -48,10 +48,11 @@ def quantity(
 ) -> Any:
     """Declare a parameter as a field of a frozen dataclass.
 
-    `typical` is a sensible size (the prior's median), used to draw examples and to start fits; an amplitude up to `negligible` is what good
-    hardware has anyway, and no cause to be named; `scan` is the grid on which a SHAPE parameter is profiled when a cause is proposed, and
-    holds the sizes at which an amplitude is tried where a large one acts otherwise than many small ones. `neutral` is the value that
-    changes nothing, which of a ratio is one.
+    `typical`     a sensible size (the prior's median), used to draw examples and to start fits
+    `negligible`  an amplitude up to this is normal for good hardware, and is not named as a cause
+    `scan`        of a SHAPE parameter: the grid on which it is profiled when a cause is proposed; of an amplitude: the sizes at which it is
+                  tried, where a large one acts differently from many small ones
+    `neutral`     the value that changes nothing, which is 1 for a ratio
     """
     metadata = dict(unit=unit, lower=lower, upper=upper, role=role, typical=typical, negligible=negligible, scan=scan, doc=doc)
     metadata["neutral"] = neutral

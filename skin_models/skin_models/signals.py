@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 GRAVITY = 9.80665  # m/s^2, standard acceleration of free fall
 DEEPEST = 0.1  # m; no skin is as thick, so a greater depth is most likely one in mm
-KEPT, ROOM = 12, 400_000  # answers of a kind that are kept, at most; and samples of them together
+KEPT, ROOM = 12, 400_000  # greatest number of cached results of one kind; and of samples in all of these together
 
 
 @dataclass(frozen=True)
@@ -59,8 +59,10 @@ class Motion:
         return Sample(self.t[i], self.x[i], self.v[i], self.a[i], lateral, self.footprint and self.footprint.at(i))
 
     def once(self, kind: str, key: Hashable, work: Callable[[], Any]) -> Any:
-        """What `work` gives for these samples, worked out once: the answers of each kind that were asked for last are kept by their `key`.
-        A fit asks for the same again and again while other numbers change. Nobody may change an answer in place."""
+        """The result of `work` for these samples, cached: the latest results of each `kind` are kept by their `key`.
+
+        A fit asks for the same ones again and again while other parameters change. A result must not be changed in place.
+        """
         known = self.memory.setdefault(kind, {})
         known[key] = answer = known.pop(key) if key in known else work()
         if len(known) > max(1, min(KEPT, ROOM // len(self))):

@@ -9,8 +9,8 @@ A contact whose force is known drives the skin by that force, one whose depth is
 then the sensors' effects on every taxel. A taxel right under a contact, of the area that the model was measured with, feels what the
 model says; the others feel the kernel's share of it. Statically, what the taxels of one contact feel never exceeds what presses.
 
-Memory lives in the column, which follows its contact as that moves and waits for it in the air when it leaves; the `MEMORY` columns
-last in the air are kept.
+The memory of the skin belongs to the column under each contact (`skin_models.column`). The column follows its contact as that moves, and
+is kept in the air when the contact leaves; of those in the air, the last `MEMORY` are kept.
 """
 
 from dataclasses import dataclass, field, replace
@@ -35,8 +35,8 @@ from skin_models.spread.noted import kernel_of, spread_width
 from skin_models.spread.spreaders import CompiledSpreader, DenseSpreader, Patches
 from skin_models.transmission import Transmission
 
-MEMORY = 16
-HARDEST = 1e6  # N; what presses harder than that is a slip
+MEMORY = 16  # columns that are kept after their contacts have left
+HARDEST = 1e6  # N; a greater force is taken for a mistake in the input
 __all__ = ["MEMORY", "Presses", "Reading", "SimulatedSkin", "SkinState", "spread_width"]
 
 
@@ -166,7 +166,7 @@ class SimulatedSkin:
         return columns, applied, sensed
 
     def _patches(self, presses: Presses, columns: Columns) -> Patches:
-        """Where the contacts are; a spread that depends on a depth not given gets the one found, or that at which the force rests."""
+        """Where the contacts are. A depth that the spread needs and that was not given is the one found by the column, or F / (k1 + k2)."""
         if self._shift.any() and presses.key:
             presses = replace(presses, position=presses.position + self._across(presses.position))
         if not (self.kernel.deep and np.isnan(presses.depth).any()):
@@ -177,7 +177,7 @@ class SimulatedSkin:
         return replace(presses.patches, depth=np.where(np.isnan(presses.depth), depth, presses.depth))
 
     def _across(self, position: np.ndarray) -> np.ndarray:
-        """By how much contacts at (C, 3) m are beside their place: along the skin there, (C, 3) m."""
+        """Offset of contacts at (C, 3) m from their declared places, along the skin there, (C, 3) m."""
         nearest = self._field.tree.query(position)[1]
         normals, which = np.unique(self.layout.normals[nearest], axis=0, return_inverse=True)
         return np.array([self._shift @ np.array(tangent(normal)) for normal in normals])[which.reshape(-1)]
@@ -197,5 +197,5 @@ def _bent(kernel: Kernel, effects: tuple[Effect, ...]) -> Kernel:
     strange = [e.cause for e in effects if not isinstance(e, Bending)]
     if strange:
         raise ModelError(f"{strange[0]} changes the spread in a way that a patch of skin cannot simulate")
-    bending = tuple(e for e in effects if not any(e.shift()))  # those beside their place move the contact instead
+    bending = tuple(e for e in effects if not any(e.shift()))  # those that only shift the contact are applied to its position instead
     return Bent(kernel, bending) if bending else kernel

@@ -1,19 +1,19 @@
-"""How wide silicone spreads a force at thicknesses where nobody measured it: what the thesis's other numbers let one say.
+"""An estimate of how wide silicone spreads a force at thicknesses where nobody measured it, from other numbers of the thesis.
 
-The width c of the spread was scanned at 4 mm alone (section 4.3.4, 5.25 mm). A taxel of 9.53 mm under a plunger of 9.9 mm sees two even
-discs overlap: without any spread in the skin that alone fits a Gaussian of 5.19 mm. So hardly a millimetre of width is the skin's own,
-c cannot be less at any thickness, and there are two roads to another one:
+The width c of the spread was scanned at 4 mm alone (section 4.3.4, 5.25 mm). A taxel of 9.53 mm under a plunger of 9.9 mm senses the
+overlap of two even discs: without any spread in the skin, a Gaussian fitted to that overlap has 5.19 mm. So hardly a millimetre of width is
+the skin's own, and c cannot be less than that of the discs at any thickness. There are two ways to estimate c at another thickness:
 
-    share     what misses the taxel right under the plunger, k2 / (k1 + k2), was measured at 2, 4 and 6 mm: the skin's own Gaussian that
-              makes that much miss, seen through both discs. At 4 mm it gives 5.55 mm.
-    layer     an elastic layer knows no other length than its thickness: the own width that the scan left grows in proportion.
+    share     the share of the force that misses the taxel right under the plunger, k2 / (k1 + k2), was measured at 2, 4 and 6 mm. The
+              skin's own Gaussian is the one that gives this share when seen through both discs. At 4 mm it gives c = 5.55 mm.
+    layer     an elastic layer has no other length than its thickness: the skin's own width, found from the scan, grows in proportion.
 
 The value takes from the share how the own width grows with thickness, and from the scan how large it is at 4 mm. Its standard deviation
-holds that of the scan (over the depths of Table 4-8), of the measured stiffnesses, and half the distance between the two roads, which part
-beyond 4 mm: at 6 mm 7.3 against 5.3 mm, where the value is 5.6 mm.
+combines that of the scan (over the depths of Table 4-8), that of the measured stiffnesses, and half the difference between the two ways.
+These part beyond 4 mm: at 6 mm they give 7.3 and 5.3 mm, and the value is 5.6 mm.
 
 Frubber's 4.17 mm is narrower than the discs themselves and follows from neither: something swallows small forces there, as a dead zone does
-(section 4.3.4 sees only noise at 1 mm). Nothing is said of other thicknesses of Frubber.
+(section 4.3.4 sees only noise at 1 mm). No estimate is given for other thicknesses of Frubber.
 """
 
 import math
@@ -38,7 +38,7 @@ OWN_WIDTHS = 1e-3 * np.array([0.25, 0.4, 0.6, 0.8, 1.0, 1.3, 1.6, 2.0, 2.5, 3.2,
 
 @dataclass(frozen=True)
 class Width:
-    """c of the spread, m, with its standard deviation, and the two roads to it."""
+    """c of the spread, m, with its standard deviation, and what either way of estimating it gives."""
 
     value: float
     std: float
@@ -107,12 +107,12 @@ def _fitted(kernel: Finite) -> float:
 
 
 def _own_by_share(share: float) -> float:
-    """The own width (m) that lets this share reach the taxel; the least where the discs alone would let less."""
+    """The own width (m) at which this share reaches the taxel; the least of the table where even the discs alone pass less."""
     return float(np.interp(share, _through_discs()[0][::-1], OWN_WIDTHS[::-1]))
 
 
 def _scale(scanned: Material) -> float:
-    """The own width that the scan left, over that which the share asks for at the same thickness."""
+    """Ratio of the own width found from the scan to that found from the share, at the scanned thickness."""
     return _own(scanned.spread_width) / _own_by_share(_share(scanned))
 
 

@@ -1,10 +1,10 @@
 """How every installed command starts: Ctrl-C ends it with one word and status 130, also while it is still importing.
 
 Linear algebra keeps to one thread, unless OPENBLAS_NUM_THREADS says otherwise: the matrices here are too thin for more, and where other
-processes have the cores its threads only wait for each other, which made fits twenty times slower.
+processes occupy the cores its threads only wait for each other, which made fits twenty times slower.
 
 A package lists its commands in `executables.py`, which imports nothing heavy, and setup.py points there: an interruption in the seconds
-that scipy or rclpy take would otherwise show where in them it was.
+that the import of scipy or rclpy takes would otherwise print a traceback from inside them.
 """
 
 import contextlib
@@ -36,7 +36,8 @@ def command(module: str) -> Callable[[], int | None]:
 
 @contextlib.contextmanager
 def _leaving_at_once() -> Iterator[None]:
-    """Nothing is there yet that would need an end. An exception amid an import may be swallowed, or come out as another."""
+    """Exit at once on Ctrl-C within the block: there is nothing to clean up yet, and an exception raised amid an import may be swallowed,
+    or come out as another."""
     before = signal.getsignal(signal.SIGINT)
     if before is not signal.default_int_handler:  # a job in the background has Ctrl-C switched off
         yield

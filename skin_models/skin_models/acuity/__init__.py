@@ -1,1 +1,1 @@
-"""A designer's picture: how well a patch locates a contact, and how light a contact it tells. `skin_acuity OUT.png` draws it."""
+"""A designer's picture: how well a patch locates a contact, and how light a contact it detects. `skin_acuity OUT.png` draws it."""

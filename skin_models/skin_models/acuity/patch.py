@@ -10,7 +10,7 @@ from skin_models.layout import Layout
 from skin_models.spread.kernels import Gaussian
 
 SIDE = 121  # places along the longer side of the patch
-EDGE = 0.95  # of the worst error, below which that inside the patch is said too
+EDGE = 0.95  # of the worst error: where the worst one inside the patch is below this, it is reported too
 FELT = 1e3  # N; what needs more is not felt
 
 
@@ -65,7 +65,7 @@ class Map:
         return f"located to {1e3 * np.median(self.error[told]):.3g} mm in the middle of all places, {worst}"
 
     def _edge(self) -> str:
-        """Where the edge is worse, how much of the worst is its doing."""
+        """Where the worst error lies near the edge, words that say so, with the worst one inside; else empty."""
         inner = self.error[self.inside].max(initial=0.0)
         return f", near the edge ({1e3 * inner:.3g} mm away from it)" if 0.0 < inner < EDGE * self.error.max() else ""
 

@@ -71,7 +71,7 @@ class SnappingAdhesion(Adhesion):
     """A pull from the first touch on."""
 
     form: ClassVar[str] = "snapping"
-    only_if_shown: ClassVar[bool] = True  # without a pull in the air it is a zero of depth
+    only_if_shown: ClassVar[bool] = True  # without a pull in the air it acts as a shift of the zero of depth
 
     @property
     def _made_at(self) -> float:

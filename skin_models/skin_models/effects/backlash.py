@@ -50,7 +50,7 @@ class Backlash(Dynamic):
 
 @dataclass(frozen=True)
 class ZeroedBacklash(Backlash):
-    """The same gap where the zero of depth is not in the middle of it: on the way in depth is right, or on the way out."""
+    """The same gap with the zero of depth not in its middle: depth is right on the way in, or on the way out."""
 
     form: ClassVar[str] = "zeroed"
     proposed: ClassVar[bool] = False
@@ -70,7 +70,7 @@ class ZeroedBacklash(Backlash):
 
 @dataclass(frozen=True)
 class WindUp(Dynamic):
-    """A drive that winds up before it slips. At a distance much longer than the path it is a softer rig, and tried only after the gap."""
+    """A drive that winds up before it slips. With a distance much longer than the path it equals a softer rig: tried only after the gap."""
 
     cause: ClassVar[str] = "backlash"
     form: ClassVar[str] = "wind_up"

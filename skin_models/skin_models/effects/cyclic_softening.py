@@ -42,7 +42,7 @@ class CyclicSoftening(OfTheForce):
 
 @dataclass(frozen=True)
 class SofterSprings(OfTheSprings):
-    """The same of the springs alone."""
+    """The same softening for the springs alone."""
 
     cause: ClassVar[str] = "cyclic_softening"
     form: ClassVar[str] = "springs"

@@ -5,8 +5,8 @@
     damaged_springs   y' = y - k x (exp(-x / l) - exp(-X / l))    the same of the springs alone, beside dashpots that stay
     fatigue           y' = y D(s)             s = path travelled in the skin, to and fro
 
-The first three are done with the first deep cycle and repeat from then on; the last goes on from cycle to cycle, fastest at first. Moves
-of less than 5 um to and fro are no path: an encoder at rest flickers by as much (a play operator takes them out).
+The first three are complete after the first deep cycle, and later cycles repeat; the last goes on from cycle to cycle, fastest at first.
+Moves of less than 5 um to and fro do not count as path: an encoder at rest flickers by as much (a play operator takes them out).
 
 Sources: J. C. Simo, On a fully three-dimensional finite-strain viscoelastic damage model, Comput. Methods Appl. Mech. Eng. 60 (1987)
 153-173 (greatest strain so far); C. Miehe, Discontinuous and continuous damage evolution in Ogden-type large-strain elastic materials,
@@ -25,7 +25,7 @@ from skin_models.operators.play import play, play_step
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
-FLICKER = 2.5e-6  # m, half of what is no path
+FLICKER = 2.5e-6  # m, half width of the play operator: moves up to twice this do not count as path
 
 
 def left(loss: float, measure: Any, scale: float) -> Any:
@@ -55,7 +55,7 @@ class Damage(OfTheForce):
 
 @dataclass(frozen=True)
 class DamageBelow(Damage):
-    """The virgin curve is as it is; below the greatest depth so far the skin is as much softer as it is damaged."""
+    """The virgin curve is unchanged; below the greatest depth so far the skin is softer by its damage."""
 
     form: ClassVar[str] = "virgin"
     linear: ClassVar[bool] = False
@@ -103,7 +103,7 @@ class Fatigue(Dynamic):
         return 0.0, None
 
     def step(self, state, y, s: Sample, dt: float):
-        """y D(s), the path longer by as much as the play moves."""
+        """y D(s), with the path s extended by the move of the play operator's output."""
         path, last = state
         now = play_step(last, depth_in_contact(s.x), FLICKER)
         path = path + np.abs(now - (now if last is None else last))

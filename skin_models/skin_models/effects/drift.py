@@ -6,7 +6,7 @@
     gain, logarithmic    y' = y (1 + A log10(1 + T / tau))        what FlexiForce's "drift per logarithmic time" means under load
     creep                y' = y + c z,   tau z' + z = y           z(0) = y(0): goes on rising under a load, and comes back without
 
-A reading that falls under a held depth is what skin that relaxes does; creep only rises. Several arms add up to any creep curve.
+A reading that falls while the depth is held is relaxation of the skin; creep only rises. Several arms add up to any creep curve.
 
 Sources: Tekscan FlexiForce A201 data sheet (drift < 5 % per logarithmic time scale); OIML R 60, Metrological regulation for load cells,
 2017 (creep, and the return of the zero).
@@ -26,7 +26,7 @@ from skin_models.signals import Motion, Sample
 
 SENSORS = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
 ONSETS = (0.1, 1.0, 10.0, 100.0)  # s
-TIMES = 4.0  # its time constant, the shortest recording that tells creep
+TIMES = 4.0  # length of the shortest recording that determines creep, in time constants
 
 
 @dataclass(frozen=True)
@@ -117,11 +117,11 @@ class Creep(Dynamic):
 
     @classmethod
     def shapes(cls, s: Motion) -> Iterator[dict[str, float]]:
-        """Time constants that the recording is several times as long as: what it saw only the beginning of is any slow thing."""
+        """Time constants that the recording is `TIMES` times as long as: of slower creep it shows a beginning that any slow cause has."""
         return (shape for shape in super().shapes(s) if shape["tau"] <= (s.t[-1] - s.t[0]) / TIMES)
 
     def initial(self, rng=None) -> None:
-        """None: the first sample has lasted for ever."""
+        """None: the first sample is taken to have lasted for ever."""
         return None
 
     def step(self, state, y, s: Sample, dt: float):

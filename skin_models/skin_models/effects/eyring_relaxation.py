@@ -21,7 +21,7 @@ from skin_models.operators.scan import running_fraction
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
-FULL = 1.0 - 1e-15  # of u: a spring stretched by 35 q_0
+FULL = 1.0 - 1e-15  # greatest |u|: a spring stretched by 35 q_0
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,14 @@
 """Friction of the rig's guide or of the load cell's mounting: the measured force steps with the sign of the speed. Four forms:
 
     smoothed over speed       y' = y + (F + mu |y|) tanh(v / v_s)
-    Stribeck, as it begins    y' = y + (F + mu |y|) tanh(v / v_s) (1 + p / (1 + (v / v_p)^2))
+    Stribeck, over speed      y' = y + (F + mu |y|) tanh(v / v_s) (1 + p / (1 + (v / v_p)^2))
     Dahl, over distance       y' = y + (F + mu |y|) z / d,        z' = v - |v| z / d
-    Prandtl, at a distance    y' = y + (F + mu |y|) z / d,        z the stop operator of the depth, |z| <= d
+    Prandtl, over distance    y' = y + (F + mu |y|) z / d,        z the stop operator of the depth, |z| <= d
 
-Coulomb's law, smoothed: over the speed v_s, below which the force falls off, or over the distance d that bristles bend before they slip;
-those hold their force while the plunger rests. Of Dahl's some slip early and some late, of Prandtl's all at once. Surfaces that slide on a
-lubricant rub more by p before they have the speed to ride on it. F acts in the air too; what the load itself presses into the guide rubs in
-proportion to it (mu). Both forms over distance are stepped exactly for a path that is monotone between samples.
+All are Coulomb's law, smoothed: over the speed v_s, below which the force falls off, or over the distance d that bristles bend before they
+slip. Bristles hold their force while the plunger rests; Dahl's slip one after the other, Prandtl's all at once. Stribeck's friction is
+greater by the share p at low speed, before surfaces ride on their lubricant. F acts in the air too; mu is the friction of the guide in
+proportion to the load. Both forms over distance are stepped exactly for a path that is monotone between samples.
 
 Sources: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083-1138; D. P. Hess, A. Soom, Journal of Tribology 112
 (1990) 147-152 (Stribeck's curve); P. Dahl, A Solid Friction Model, TOR-0158, 1968; D. A. Haessig, B. Friedland, Journal of Dynamic Systems,
@@ -30,7 +30,7 @@ from skin_models.signals import Motion, Sample
 
 @dataclass(frozen=True)
 class _Rubbing:
-    """What rubs against the load cell, however it begins to slip."""
+    """What all forms of friction at the load cell share, however they begin to slip."""
 
     cause: ClassVar[str] = "friction"
     places: ClassVar = {"rig": Place.LOAD_CELL, "load_cell": Place.LOAD_CELL}
@@ -130,5 +130,5 @@ class PrandtlFriction(_Rubbing, Dynamic):
         return state, self._rubbing(y, (s.x - state) / self.slip)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
-        """The same of the whole recording."""
+        """The same for the whole recording."""
         return self._rubbing(y, s.once("Prandtl", self.slip, lambda: stop(s.x, self.slip)) / self.slip)

@@ -8,7 +8,7 @@
 E_r is the stop operator of `skin_models.operators.play`, exact for any path that is monotone between samples. Bouc-Wen is stepped exactly
 for such a path too: z[n] = e z[n-1] + sign(dx) r (1 - e), e = exp(-|dx| / r). These two dissipate: no closed path returns energy. The
 lagging one returns energy on every path, which no passive skin does; play operators and Preisach relays with positive weights are of this
-kind, and records are where the depth lags behind the encoder in a way that no clearance explains.
+kind, and so are recordings in which the depth lags behind the encoder in a way that no clearance explains.
 
 Sources: P. Krejčí, Hysteresis, Convexity and Dissipation, 1996; F. Ikhouane and J. Rodellar, Systems with Hysteresis, Wiley 2007
 (Bouc-Wen); P. Dahl, A Solid Friction Model, TOR-0158, 1968; K. Kuhnen, Eur. J. Control 9 (2003) 407-418 (sensors and actuators).

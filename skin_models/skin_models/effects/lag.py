@@ -53,7 +53,7 @@ class Lag(Dynamic):
 
 @dataclass(frozen=True)
 class SecondOrderLag(Dynamic):
-    """Sensor lag of two poles, as an anti-aliasing filter has. A small one is the same as one of first order, which is tried before it."""
+    """Sensor lag of two poles, as an anti-aliasing filter has. A small one equals one of first order, which is tried before it."""
 
     cause: ClassVar[str] = "lag"
     form: ClassVar[str] = "second_order"
@@ -91,7 +91,7 @@ class SecondOrderLag(Dynamic):
 
 @dataclass(frozen=True)
 class PartialLag(Dynamic):
-    """Sensor lag of a part of the signal, as of a sensor under a soft layer that yields. What comes later than this is a drift: creep."""
+    """Sensor lag of a part of the signal, as of a sensor under a soft layer that yields. A slower part is creep, a form of drift."""
 
     cause: ClassVar[str] = "lag"
     form: ClassVar[str] = "partial"
@@ -121,8 +121,8 @@ class PartialLag(Dynamic):
 
 @dataclass(frozen=True)
 class OneSidedLag(Lag):
-    """Sensor lag that is another on the way up than on the way down, as of a film that takes longer to recover than to respond; `tau` is
-    the geometric mean of both."""
+    """Sensor lag with one time constant on the way up and another on the way down, as of a film that takes longer to recover than to
+    respond; `tau` is their geometric mean."""
 
     form: ClassVar[str] = "one_sided"
     source: ClassVar[str] = "El-Molla et al. 2016"
@@ -139,7 +139,7 @@ class OneSidedLag(Lag):
         return state, self.put_back(y, z)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
-        """The same of all samples."""
+        """The same for all samples."""
         return self.put_back(y, lagged_either_way(self.mine(y), *self._ways, s.dt))
 
     @property

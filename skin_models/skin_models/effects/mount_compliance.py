@@ -8,7 +8,7 @@
 What bends the mount is a linear skin of stiffness K and damping B, which are parameters because an effect sees motion, not force. Of the
 static part only the product C K matters, and from x and F alone it equals a softer skin; the damped part can be seen: the tip follows late
 by T while it presses. A mount under both is a static one behind a damped one, of T / (1 + C K). One that has damping B' of its own follows
-in part at once, and in part late by the T in which skin and mount together come to rest:
+in part at once, and in part late, with the time constant T at which skin and mount together come to rest:
 
     yielding  tip depth = x + L / T (z - x), T z' + z = x, in contact    T = (B + B') C / (1 + C K), late by L for slow motion, 0 <= L <= T
 
@@ -17,8 +17,8 @@ each other, so that the joint gives by L ln(1 + F / F1). Under a linear skin tha
 
     joint     tip depth + L ln(1 + tip depth / X) = x in contact, x in the air
 
-A ball, a roller or an edge on which the mount leans gives by a power of the force, p = 2/3 of a ball, and so much the more while the skin
-is pressed fast. To the first order, where it gives little beside the skin,
+A ball, a roller or an edge on which the mount leans gives by a power of the force (p = 2/3 for a ball), and gives more while the skin is
+pressed fast, because its damping adds to the force. To first order, where it gives little compared with the skin,
 
     power     tip depth = x - L (max(x + T v, 0) / 1 mm)^p >= 0 in contact, x in the air    T = B / K
 
@@ -38,7 +38,7 @@ from skin_models.operators.lagging import in_part, lagged_in_contact, lagged_in_
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
-TINY = 1e-9  # of X: a joint that gives less than that gives nothing
+TINY = 1e-9  # smallest L / X that counts: below it the joint is taken to be rigid
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ class DampedMount(Dynamic):
 
 @dataclass(frozen=True)
 class YieldingMount(Dynamic):
-    """The same of a mount that has damping of its own. From x, F and one taxel it equals skin with a fast relaxing arm."""
+    """The same for a mount with damping of its own. From x, F and one taxel it cannot be told from skin with a fast relaxing arm."""
 
     cause: ClassVar[str] = "mount_compliance"
     form: ClassVar[str] = "yielding"

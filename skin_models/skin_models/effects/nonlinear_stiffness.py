@@ -136,7 +136,7 @@ class Foam(Memoryless):
 
     @classmethod
     def shapes(cls, s: Motion) -> Iterator[dict[str, float]]:
-        """Every depth of each grid once: what is lost on the plateau is the same wherever cells close, and the other way round."""
+        """The two grids in parallel, not their product: the loss on the plateau does not depend on where cells close, nor vice versa."""
         for yields, closes in zip(scan_of(cls, "yields"), scan_of(cls, "closes"), strict=True):
             yield {"yields": yields, "closes": closes}
 

@@ -3,8 +3,8 @@
     constant    tip depth = x + offset                              positive: the skin is met before the encoder reads zero
     warming     tip depth = x + growth (1 - exp(-T / tau))          T since the first sample: the column grows as it warms up
 
-The thesis's stage is true to 5 um and comes to rest 1 to 5 um from where it should (sections 3.1 and 5.1): half of that is no offset to
-speak of.
+The thesis's stage is true to 5 um and comes to rest 1 to 5 um from where it should (sections 3.1 and 5.1): half of that is
+negligible.
 
 Source: geometry; for the column's growth, J. Bryan, International status of thermal error research, CIRP Annals 39 (1990) 645-656.
 """
@@ -18,7 +18,7 @@ from skin_models.effect import Memoryless, Place
 from skin_models.operators.elapsed import Elapsed
 from skin_models.parameter import SHAPE, quantity
 
-OFFSETS = (15e-6, -60e-6, -0.2e-3, -0.6e-3, 0.2e-3)  # m: of a surface that is met much later no small offset shows the way
+OFFSETS = (15e-6, -60e-6, -0.2e-3, -0.6e-3, 0.2e-3)  # m; also large: a search from a small one does not find a surface met much later
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ freedom is loops that grow with depth. Here the density grows with a as the dept
     f = k / (2 l n) sum over i of (x^2 - P_i^2),        r_i = R (i - 1/2) / n,  i = 1 … n = 5,  l = 1 mm
 
 After a turning point at depth x it is a spring of stiffness k x / l. Exact for any path that is monotone between samples; it dissipates.
-Simulated, not proposed: the sum of elastic-plastic elements that `hysteresis` in the skin spans is what a recording tells from relaxation.
+Simulated, not proposed: a recording can tell from relaxation only the sum of elastic-plastic elements that `hysteresis` in the skin spans.
 
 Sources: I. D. Mayergoyz, Mathematical Models of Hysteresis, Springer 1991; M. Brokate and J. Sprekels, Hysteresis and Phase Transitions,
 Springer 1996, ch. 2.4; P. Krejčí 1996; K. Kuhnen, Eur. J. Control 9 (2003) 407-418 (dead zones).

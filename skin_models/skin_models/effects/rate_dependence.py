@@ -5,7 +5,7 @@
     Hunt-Crossley  f = c x v                    damping that grows from zero with the contact
     one-sided      f = c |v|                    damping b + c on the way in, b - c on the way out
 
-The second, beside b v, is thinning that sets in at a speed, as Carreau's and Cross's fluids have it.
+The second, added to b v, is thinning that sets in at a speed, as in Carreau and Cross fluids.
 
 Sources: H. Eyring, J. Chem. Phys. 4 (1936) 283-291 (flow as an activated process); K. H. Hunt and F. R. E. Crossley, Coefficient of
 restitution interpreted as damping in vibroimpact, J. Appl. Mech. 42 (1975) 440-445; R. B. Bird, R. C. Armstrong, O. Hassager, Dynamics of

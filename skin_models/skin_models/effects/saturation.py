@@ -3,8 +3,8 @@
     hard     y' = min(max(y, -L), L)
     leaky    y' = y - c max(y - L, 0)        beyond L it follows with the slope 1 - c; several add up to a soft knee
 
-The size of the hard form is not a force but how low L is: it is the identity for L = inf, which is what `absent` gives. It is therefore no
-direction in which a model can be bent a little: identification proposes the leaky form, and the hard one from samples that pile up.
+The hard form has no amplitude: its size is how low L is, and it is the identity for L = inf, which is what `absent` gives. A model cannot
+be linearised in it: identification proposes the leaky form, and the hard one where samples pile up at one reading.
 
 Source: H. K. Khalil, Nonlinear Systems, 3rd ed., Prentice Hall 2002, section 1.2.7 (common nonlinearities).
 """

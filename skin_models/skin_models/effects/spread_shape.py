@@ -2,7 +2,8 @@
 
     K'(r) = K(c (r / c)^(1 + e))        e > 0: a flat top and short tails; e < 0: a point and heavy tails
 
-c is where K has fallen to 1 / e: there nothing changes, and neither under the contact. A Gaussian becomes exp(-(r / c)^(2 + 2 e)).
+c is the distance at which K has fallen to 1 / e: nothing changes there, nor right under the contact. A Gaussian becomes
+exp(-(r / c)^(2 + 2 e)).
 
 Source: the generalised Gaussian; M. T. Subbotin, On the law of frequency of error, Mat. Sb. 31 (1923) 296-301. Flat tops are those of wide
 plungers and taxels, heavy tails those of an elastic half space (K. L. Johnson, Contact Mechanics, 1985, ch. 3).

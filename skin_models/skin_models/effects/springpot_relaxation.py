@@ -1,4 +1,4 @@
-"""Stress relaxation without a time of its own: a springpot, between a spring (alpha = 0) and a dashpot (alpha = 1), beside both branches.
+"""Stress relaxation without a time constant: a springpot, between a spring (alpha = 0) and a dashpot (alpha = 1), beside both branches.
 
     f = k d^alpha x / d(t / 1 s)^alpha        a step of depth relaxes as k t^-alpha / Gamma(1 - alpha), t in s
 

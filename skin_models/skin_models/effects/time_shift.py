@@ -7,7 +7,7 @@
 All are linear between samples and hold y(0) before the first one.
 
 `where` says which channel is late with respect to the rest: clock (force), clock_taxels, or clock_depth (all the skin's answers, as
-seen from the encoder). A finding reports all three as `clock`. A negative delay (the channel is early) can be had for a recording; a
+seen from the encoder). A finding reports all three as `clock`. A negative delay (the channel is early) works for a whole recording only; a
 running simulation cannot look ahead and passes the signal on. Jitter needs a random generator and is not proposed for a finding: its
 mean is a delay, the rest noise that grows with the slope. A multiplexer that reads the taxels one after the other, with one time stamp
 for all of them, makes each later than the one before; s < 0 where it reads them the other way round.
@@ -41,7 +41,7 @@ class TimeShift(Dynamic):
     skew: float = quantity("ppm", 0.0, lower=-1e4, upper=1e4, typical=200.0, doc="how much later it gets with time")
 
     def initial(self, rng=None) -> tuple[int, tuple]:
-        """How many samples there were, and the last of them, newest last: none."""
+        """Number of samples so far, and the last of them, newest last: 0 and none."""
         return 0, ()
 
     def step(self, state, y, s: Sample, dt: float):
@@ -130,7 +130,7 @@ def _remembered(past: tuple, y, late: float) -> tuple:
 
 
 def _looked_up(past: tuple, back: float):
-    """What was `back` samples ago; the oldest known where that is longer ago, the newest where it is still to come."""
+    """The signal `back` samples ago, linear between samples; the oldest known if that is longer ago, the newest if it is still to come."""
     back = min(max(back, 0.0), len(past) - 1.0)
     older = min(int(back) + 1, len(past) - 1)
     newer = max(older - 1, 0)
@@ -148,7 +148,7 @@ def _shifted(y: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def _delayed(y: np.ndarray, back: float) -> np.ndarray:
-    """`y` a constant number of samples ago, whole or not, held beyond its ends: the same without looking up every sample."""
+    """`y` delayed by a constant number of samples, whole or not, held beyond its ends: `_shifted` without looking up every sample."""
     full, n = math.floor(back), y.shape[-1]
     before, behind = max(full + 1, 0), max(-full, 0)
     held = np.concatenate([np.repeat(y[..., :1], before, -1), y, np.repeat(y[..., -1:], behind, -1)], axis=-1)

@@ -21,7 +21,7 @@ from skin_models.elements.relaxing import Relaxing
 from skin_models.errors import ModelError
 from skin_models.parameter import check_parameters, quantity
 
-HALVINGS = 70  # of 600 natural logarithms: down to the resolution of a double
+HALVINGS = 70  # bisections of an interval of 600 in ln(distance): down to the resolution of a double
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def _zeros(series: Relaxing) -> tuple[np.ndarray, np.ndarray]:
     """The p > 0 for which Z(-p) = 0, and their distances to every pole, (zeros, arms).
 
     There is one below the first pole if k > 0, one between any two, one above the last if b > 0. A zero may lie so close to a pole that
-    their difference drowns in rounding; so what is halved is the distance from the nearer end of the interval, on a logarithmic scale.
+    their difference is lost in rounding; so the bisection is in the logarithm of the distance from the nearer end of the interval.
     """
     low, high = _intervals(series)
     poles = 1.0 / series.tau

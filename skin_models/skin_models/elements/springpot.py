@@ -7,8 +7,8 @@ Here as a Prony series for times within `shortest` … `longest`. The trapezoida
     t^-alpha = 1 / Gamma(alpha) ∫ exp(alpha u - t exp(u)) du
 
 converges exponentially: a spacing h leaves a relative ripple of about 2 |Gamma(alpha + 2 pi i / h)| / Gamma(alpha). h is chosen for
-half of the error allowed; the arms that are far too slow are summed into a spring and those far too fast into a dashpot. `error` says
-what the series then really leaves, in relaxation and in creep.
+half of the error allowed; the arms that are far too slow are summed into a spring and those far too fast into a dashpot. `error` is
+the relative error that the series then really has, in relaxation and in creep.
 
 Source: G. Beylkin and L. Monzón, Approximation by exponential sums revisited, Appl. Comput. Harmon. Anal. 28 (2010) 131-149; for
 the element, R. C. Koeller, Applications of fractional calculus to the theory of viscoelasticity, J. Appl. Mech. 51 (1984) 299-307.

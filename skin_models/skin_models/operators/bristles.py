@@ -1,6 +1,6 @@
 """Bristles: dry contact that bends before it slips, over distance and not over time (Dahl's law).
 
-    z' = (v - |v| z) / d        z between -1 and 1: the deflection over what it is while slipping; d the distance over which it bends
+    z' = (v - |v| z) / d        z between -1 and 1: the deflection relative to that while slipping; d the distance over which it bends
 
 Stepped exactly for a path that is monotone between samples; upright at first.
 

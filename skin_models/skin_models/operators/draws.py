@@ -31,7 +31,7 @@ def new_key(rng: np.random.Generator) -> int:
 
 @dataclass(frozen=True)
 class Stream:
-    """Where one is in a stream of random numbers."""
+    """A position in a stream of random numbers."""
 
     key: int
     drawn: int = 0

@@ -6,7 +6,7 @@ import numpy as np
 
 ROUNDS = 200
 ALIKE = 1e-10  # of `size`: a value that counts as zero
-PATIENCE = 3
+PATIENCE = 3  # rounds in which secants must have halved the bracket
 FAR = 1e9  # no upper end yet
 NARROW = 1e-13  # relative: a bracket that holds a jump, not a zero
 
@@ -14,11 +14,11 @@ NARROW = 1e-13  # relative: a bracket that holds a jump, not a zero
 def growing_root(
     f: Callable[[np.ndarray], np.ndarray], low: np.ndarray, start: np.ndarray, slope: np.ndarray, size: np.ndarray, highest: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """x (C,) with f(x) = 0, and the slopes (C,) there, for f: (C,) -> (C,) that grows with x, -`size` at `low` or flat at that.
+    """x (C,) with f(x) = 0, and the slopes (C,) there, for f: (C,) -> (C,) that grows with x from -`size` at `low`, or is flat at first.
 
-    From `start` along `slope`, then along secants; a step that leaves the bracket found so far halves it, and one from where f is flat
-    doubles the distance from `low` at least. Where f jumps across zero, the place just below the jump; where it stays negative beyond
-    `highest`, the first place tried there. The last call of `f` is the one at the x that is returned.
+    The search goes from `start` along `slope`, then along secants. A step that would leave the bracket found so far goes to its middle, and
+    one from where f is still flat is at least twice as long as the way from `low`. Where f jumps across zero, x is the place just below the
+    jump; where f stays negative beyond `highest`, x is the first place tried there. The last call of `f` is the one at the x returned.
     """
     value = f(start)
     shot = start - value / slope

@@ -48,7 +48,7 @@ def lagged_in_contact(x: np.ndarray, tau: float, dt: float) -> np.ndarray:
     e, _ = lag_factors(tau, dt)
     z = lagged(np.maximum(x, 0.0), tau, dt)
     n = np.arange(x.size)
-    air = np.maximum.accumulate(np.where(x <= 0.0, n, -1))  # the last sample in the air, by which z would have fallen to z[air] only
+    air = np.maximum.accumulate(np.where(x <= 0.0, n, -1))  # the last sample in the air, where z is to be 0 instead of z[air]
     return z - np.where(air >= 0, e ** (n - air) * z[air], 0.0)
 
 
@@ -84,7 +84,7 @@ def _compiled_either_way() -> Callable | None:
 
 
 def _either_way(y: list[float], rising: tuple[float, float], falling: tuple[float, float]) -> list[float]:
-    """Sample by sample: which way it goes depends on the one before, so that no filter does it."""
+    """Sample by sample: the time constant depends on the last z, so a linear filter cannot do it."""
     z, out = y[0], [y[0]]
     for last, now in itertools.pairwise(y):
         e, g = rising if now > z else falling
@@ -102,7 +102,7 @@ def lagged_step_either_way(state: tuple | None, y: Any, up: float, down: float, 
 
 
 def in_part(y: Any, z: Any, late: float, settling: float) -> Any:
-    """What follows y at once but for a share late / settling (at most all) that follows as z, which lags by `settling`: late by `late` for
+    """y with the share late / settling of it (at most 1) replaced by z, the lagged signal of time constant `settling`: late by `late` for
     slow inputs."""
     return y + min(late / settling, 1.0) * (z - y)
 

@@ -44,8 +44,8 @@ def _compiled() -> Callable | None:
 
 
 def _from_turn_to_turn(x: np.ndarray, r: float) -> np.ndarray:
-    """The play operator on one record (N,) in numpy: first the values at the turning points of x, then those between them, where x goes one
-    way and P goes up to x - r or down to x + r."""
+    """The play operator on one record (N,) in numpy. First its values at the turning points of x. Between two of them x is monotone: the
+    play stays, until x - r pushes it up or x + r down."""
     rising = np.diff(x) > 0.0
     turns = np.concatenate([[0], 1 + np.flatnonzero(rising[1:] != rising[:-1]), [x.size - 1]])
     begun = running_clamp(x[turns] - r, x[turns] + r, x[0])

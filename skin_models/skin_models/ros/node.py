@@ -41,7 +41,7 @@ class _Run:
         self.ended, self.error, self.wake = False, None, lambda: None
 
     def end(self, error: SkinError | None = None) -> None:
-        """End the loop; the first error is the one that is told."""
+        """End the loop; the first error is the one that is reported."""
         self.error = self.error or error
         self.ended = True
         self.wake()

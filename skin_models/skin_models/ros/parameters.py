@@ -8,7 +8,7 @@
     self.settings.now.sample_rate
 
 A check that involves several parameters belongs into `__post_init__` of the dataclass and raises `SkinError`. A start value for a parameter
-that no node here knows, such as one with a slip in its name, is warned of: ROS itself passes over it in silence.
+that no node here knows, such as one with a slip in its name, gives a warning: ROS itself ignores it in silence.
 """
 
 import math
@@ -68,7 +68,7 @@ class Parameters(Generic[Settings]):
         _warn_of_strangers(node, self._names)
 
     def now_with(self, **changes: Any) -> Settings:
-        """The present settings with other values, which stay in force nowhere else. Raises `SkinError` where they could not be set."""
+        """A copy of the present settings with `changes`; those in force stay. Raises `SkinError` for changes that could not be set."""
         return _checked(self._cls, replace(self.now, **changes))
 
     def _set(self, parameters: list[Parameter]) -> SetParametersResult:

@@ -64,7 +64,7 @@ class Viewing:
     """Publishes `markers`, `heat_map` and `points`."""
 
     def __init__(self, node: Node, layout: Layout, frame: str) -> None:
-        """Advertise on `node` what stands in `frame`."""
+        """Advertise on `node`; all that is published is given in `frame`."""
         qos = QoSProfile(depth=1)
         self._markers = node.create_publisher(MarkerArray, "markers", qos)
         self._image = node.create_publisher(Image, "heat_map", qos)

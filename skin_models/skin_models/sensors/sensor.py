@@ -13,7 +13,7 @@ POUND_FORCE = 4.44822  # N, as in thesis eq 25
 
 @dataclass(frozen=True)
 class Reading:
-    """What a sensor says of a force history, arrays (N,): the true force (N), the recorded voltage (V), the force read from it (N)."""
+    """The measurement of a force history, arrays (N,): the true force (N), the recorded voltage (V), the force read from it (N)."""
 
     truth: np.ndarray
     volts: np.ndarray

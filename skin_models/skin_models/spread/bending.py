@@ -6,7 +6,7 @@ Over a recording and step by step they change the shares that reach the taxels; 
 both come to the same. Several act in the order in which they stand between contact and kernel, whatever the order they are listed in: first
 `off_centre`, in real lengths, then direction, width and shape. They need to know where the taxels are (`Model.positions`, or a layout).
 
-They are simulated and not proposed: one recording under one contact cannot tell them from the taxels' gains. Who looks at several taxels
+They are simulated and not proposed: one recording under one contact cannot tell them from the taxels' gains. An analysis of several taxels
 or several places at once decides on them.
 """
 
@@ -36,7 +36,7 @@ class Bending(Memoryless):
 
     @abstractmethod
     def seen(self, offset: np.ndarray, x: Any, width: float) -> np.ndarray:
-        """Where in the undisturbed kernel, (2, T) or (2, T, N) m, what is at `offset` of a contact `x` deep feels the same."""
+        """The offset in the undisturbed kernel, (2, T) or (2, T, N) m, where a taxel would feel what it feels at `offset`, `x` m deep."""
 
     @abstractmethod
     def reach(self, r: float, x: float, width: float) -> float:
@@ -47,7 +47,7 @@ class Bending(Memoryless):
         return 1.0
 
     def matrix(self) -> np.ndarray | None:
-        """What `seen` multiplies an offset by at any depth, (2, 2); None where it does not only stretch and turn."""
+        """The matrix by which `seen` multiplies an offset at any depth, (2, 2); None where `seen` does more than stretch and turn."""
         return None
 
     def shift(self) -> tuple[float, float]:
@@ -125,7 +125,7 @@ class Bent(Wrapped):
         return float(math.prod(e.scale(self.depth) for e in self.effects)) ** -2.0 * self.kernel.shape(r)
 
     def distance(self, u, v):
-        """The distance after all effects that a taxel at these offsets is seen at, where one of them is not radial."""
+        """The distance of a taxel at these offsets: after all effects where one of them is not radial, else that of the kernel inside."""
         return super().distance(u, v) if self.radial else self._seen(u, v)
 
     def _seen(self, u: np.ndarray, v: np.ndarray) -> np.ndarray:

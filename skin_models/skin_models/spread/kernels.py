@@ -39,7 +39,7 @@ class Kernel(ABC):
         return False
 
     def straightened(self) -> tuple[np.ndarray, "Kernel"] | None:
-        """A matrix (2, 2) and a radial kernel that says the same of the offsets multiplied by it; None where there is none."""
+        """A matrix (2, 2) and a radial kernel that has the same shape at offsets multiplied by the matrix; None where there are none."""
         return np.eye(2), self
 
     def scale(self, depth: np.ndarray) -> np.ndarray:
@@ -135,7 +135,7 @@ class HeavyTail(Kernel):
 
 @dataclass(frozen=True)
 class Wrapped(Kernel):
-    """A kernel made of another one: what its subclass does not say is as there."""
+    """A kernel around another one: what a subclass does not override is that of the kernel inside."""
 
     kernel: Kernel
 

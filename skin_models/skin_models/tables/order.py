@@ -7,8 +7,8 @@ import numpy as np
 from skin_models.errors import TableError
 from skin_models.words import counted
 
-OFTEN = 0.01  # of all samples: steps back that are no single event
-LATE_RUN = 3  # so many samples in a row behind the newest one are no longer "late" but a clock that stepped back
+OFTEN = 0.01  # share of all samples: more steps back than this are no single event
+LATE_RUN = 3  # more samples in a row than this behind the newest one are no longer "late" but a clock that stepped back
 
 
 @dataclass(frozen=True)
@@ -32,9 +32,9 @@ class Mended:
 
 
 def in_order(t: np.ndarray, name: str) -> tuple[np.ndarray | None, Mended]:
-    """Which samples of the stamps t (N,), s or whole ns, in which order have finite ones that grow, and what was mended.
+    """Indices that put the samples with stamps t (N,), s or whole ns, into an order in which finite stamps grow, and what was mended.
 
-    None stands for all of them as they are. Raises `TableError` where the clock steps back.
+    None in place of the indices: all samples are in order. Raises `TableError` where the clock steps back.
     """
     finite = np.isfinite(t)
     if finite.all() and np.all(t[1:] > t[:-1]):
@@ -48,7 +48,7 @@ def in_order(t: np.ndarray, name: str) -> tuple[np.ndarray | None, Mended]:
 
 
 def _late(t: np.ndarray, name: str) -> int:
-    """How many samples lie behind an earlier one. Raises `TableError` where that is more than lateness."""
+    """How many samples have a stamp before that of an earlier one. Raises `TableError` where these are not single late samples."""
     newest = np.maximum.accumulate(t)
     behind = t < newest
     if behind.size <= LATE_RUN or not np.lib.stride_tricks.sliding_window_view(behind, LATE_RUN + 1).all(axis=1).any():

@@ -65,7 +65,7 @@ def number_of(column: Column) -> float:
 
 
 def renumbered(columns: Sequence[Column]) -> Iterator[str]:
-    """What is said where taxels do not count from 0 up without a gap, as they are counted from here on."""
+    """Yields a note where the taxels' numbers do not run from 0 without a gap: from here on they are counted that way."""
     taxels = [c for c in columns if c.kind == "taxel"]
     if any(number_of(c) not in (i, np.inf) for i, c in enumerate(taxels)):
         yield f"taxels are counted from 0: {', '.join(f'taxel_{i} is {c.name}' for i, c in enumerate(taxels))}"

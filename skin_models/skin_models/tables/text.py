@@ -11,7 +11,7 @@ from skin_models.words import counted
 
 SUFFIXES = (".csv", ".tsv", ".txt", ".tab", ".dat")
 PROBES = 50  # rows in which decimal commas are looked for
-WHOLE = 0.9  # of the rows, and of the cells of a column, that must be what they should: more damage than the rest is no accident
+WHOLE = 0.9  # share of the rows, and of the cells of a column, that must be intact: more damage is no single accident
 MISSING = ("", "-", "--", "na", "n/a", "#n/a", "null", "none")  # what programs write where nothing was measured, beside nan
 
 
@@ -72,7 +72,7 @@ def _carefully(titles: list[str], mark: str, lines: list[str], path: str | os.Pa
 
 
 def _text_among(title: str, cells: list[str], rows: int, path: str | os.PathLike) -> list[str]:
-    """What is said of a column where text stands for a number. Raises `TableError` where that is no single accident."""
+    """A warning, if text stands for a number in a column. Raises `TableError` where more than a tenth of its cells hold text."""
     strange = [cell.strip() for cell in cells if cell.strip().lower() not in MISSING and not _is_number(cell)]
     if not strange:
         return []

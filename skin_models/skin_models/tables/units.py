@@ -8,7 +8,7 @@ from skin_models.errors import TableError
 TIME = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0}
 LENGTH = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}
 FORCE = {"n": 1.0, "mn": 1e-3, "kn": 1e3, "gf": 9.80665e-3, "kgf": 9.80665, "lbf": 4.4482216152605}
-WEIGHTS = {"g": "gf", "kg": "kgf", "lb": "lbf", "lbs": "lbf"}  # units of mass, and of what it weighs
+WEIGHTS = {"g": "gf", "kg": "kgf", "lb": "lbf", "lbs": "lbf"}  # unit of mass: unit of its weight
 VOLTAGE = {"v": 1.0, "mv": 1e-3}
 UNITS = {"time": TIME, "depth": LENGTH, "force": {**FORCE, **VOLTAGE}, "taxel": {**FORCE, **VOLTAGE}}
 
@@ -21,7 +21,7 @@ _WORDS = {
 
 @dataclass(frozen=True)
 class Column:
-    """One column: what it is (time, depth, force, taxel), what it is called, and what makes SI (or volts) of it."""
+    """One column: what it is (time, depth, force, taxel), what it is called, and the factor to SI (or volts)."""
 
     kind: str
     name: str
@@ -30,7 +30,7 @@ class Column:
 
 
 def column(header: str) -> Column:
-    """What a header says. Raises `TableError` where the unit is missing or not one of that quantity."""
+    """The column that a header declares. Raises `TableError` where the unit is missing or not one of that quantity."""
     name, unit = _split(_plain(header))
     kind = _kind(name)
     if unit in VOLTAGE and kind in ("force", "taxel"):
@@ -46,7 +46,7 @@ def column(header: str) -> Column:
 
 
 def _refuse_mass(header: str, name: str, unit: str) -> None:
-    """Raise `TableError` for a force in grams: what those weigh has units of its own."""
+    """Raise `TableError` for a force in grams or another unit of mass: the weight of that mass has a unit of its own, such as gf."""
     name, mass = (name, unit) if unit else name.rpartition("_")[::2]
     if mass in WEIGHTS and (_kind(name) == "force" or name.startswith("taxel")):
         weight = WEIGHTS[mass]
@@ -55,7 +55,7 @@ def _refuse_mass(header: str, name: str, unit: str) -> None:
 
 
 def kind_of(header: str) -> str:
-    """What a header is of (time, depth, force, taxel) by its name alone, whatever its unit; all that is none of the others is a taxel."""
+    """The quantity of a header (time, depth, force, taxel) by its name alone, whatever its unit; an unknown name is a taxel."""
     return _kind(_split(_plain(header))[0])
 
 
