@@ -21,7 +21,7 @@ def records(file: Path, faults: list[str]) -> Iterator[McapRecord]:
             _check_magic(file, stream.read(len(_MAGIC)))
             for record in StreamReader(stream, skip_magic=True, emit_chunks=True).records:
                 if isinstance(record, DataEnd):
-                    break  # what comes behind says again what was there
+                    break  # the summary behind it repeats what was there
                 if not isinstance(record, Chunk):
                     yield record
                 elif (within := _within(record)) is None:

@@ -1,4 +1,4 @@
-"""The one who moves the axis: follows commanded paths, and stops them within the limits. Depths in m, times in s of the driver's clock.
+"""The commanded motion of the axis: it follows paths, and is stopped within the limits. Depths in m, times in s of the driver's clock.
 
 Splice rule: a command replaces everything from the time of its first set point on, and must continue there what the axis is doing.
 If it begins later than the present path ends, the axis goes from rest there to its first set point, in one Hermite segment. If it
@@ -126,7 +126,7 @@ class Motion:
         self._path, self._runs_out = brake(now, x, v, self.limits.max_acceleration), math.inf
 
     def stop(self, stop: Stop, now: float) -> None:
-        """Stop because of `stop`. While stopped only a first over-force changes what the axis does, and that nobody knows where it is."""
+        """Stop because of `stop`. While stopped, only two things change anything: a first over-force, and a position lost while at rest."""
         if self.stopped is not None and (self.stopped.retract or not stop.retract):
             if stop.lost and self.at_rest(now):  # no longer held where it was: it may come back elsewhere
                 self.stopped = replace(self.stopped, lost=True)
@@ -154,7 +154,7 @@ class Motion:
         self._path, self._runs_out = Trajectory((now,), (depth,), (0.0,)), math.inf
 
     def shift(self, dx: float) -> None:
-        """Count depths from elsewhere: all of them grow by `dx` (m)."""
+        """Move the zero of depth: all depths grow by `dx` (m)."""
         self._path = self._path.shifted(dx=dx)
 
 

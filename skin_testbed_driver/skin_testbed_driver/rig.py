@@ -26,7 +26,7 @@ class RigError(SkinError):
 NOTHING = np.empty(0)  # of a signal that a rig does not have
 
 
-class Reading(NamedTuple):  # the quickest to make of all that do not change
+class Reading(NamedTuple):  # the immutable kind of object that is quickest to make
     """One synchronous sample. A rig gives volts or newtons, whichever its hardware knows; the other stays NaN or empty.
 
     Compression is positive. The two truths are known to a simulation only.

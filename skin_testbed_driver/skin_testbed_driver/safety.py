@@ -10,7 +10,7 @@ from skin_models.errors import SkinError
 from skin_testbed_driver.calibration import LOAD_CELL_RANGE
 from skin_testbed_driver.trajectory import Trajectory, extremes
 
-# Cubics through samples of a path that jumps in acceleration overshoot it: the mean of a segment is held to the limit, the peak to twice.
+# Cubics through samples of a path whose acceleration jumps overshoot it: a segment's mean is held to the limit, its peak to this multiple.
 _PEAK_ACCELERATION = 2.0
 _SLACK = 1e-6  # relative: rounding of a path planned exactly at a limit
 _SLACK_DEPTH = 1e-9  # m

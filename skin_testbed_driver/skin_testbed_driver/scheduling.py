@@ -16,8 +16,8 @@ _SLICE = 100_000  # ns, the shortest that the scheduler grants
 def be_punctual() -> None:
     """Let every thread of the process wake without slack (by default Linux rounds up by 50 us), and before others that have long turns.
 
-    The second is a short slice of the fair scheduler, from Linux 6.12 on: no more time than before, but sooner (sched(7), EEVDF). All
-    threads, because one that has to wait while it holds the interpreter or a lock of DDS keeps the others waiting.
+    The second is done by a short slice of the fair scheduler, from Linux 6.12 on: no more time than before, but sooner (sched(7), EEVDF).
+    It is done for all threads, because one that has to wait while it holds the interpreter or a lock of DDS keeps the others waiting.
     """
     if not sys.platform.startswith("linux"):
         return
@@ -44,9 +44,9 @@ def _tasks() -> list[int]:
 
 
 def be_urgent(priority: int) -> None:
-    """Real-time scheduling (SCHED_FIFO) for the calling thread, and one less for all others of the process. Raises `OSError`.
+    """Real-time scheduling (SCHED_FIFO) at `priority` for the calling thread, and at one less for all others. Raises `OSError`.
 
-    One that is put aside while it holds the interpreter or a lock of DDS would keep the caller waiting.
+    The others need it too: one that is preempted while it holds the interpreter or a lock of DDS would keep the caller waiting.
     """
     for task in _tasks():
         mine = task == threading.get_native_id()

@@ -22,7 +22,7 @@ _STUCK_DEPTH = 5e-5  # m, by how much the plunger has to move in the skin before
 _STUCK_FORCE = 1.0  # N, and by how much the force has to change before a taxel is
 
 
-class Sample(NamedTuple):  # the quickest to make of all that do not change
+class Sample(NamedTuple):  # the immutable kind of object that is quickest to make
     """One published sample: m, m/s, N, V; compression positive; taxel arrays are (T,)."""
 
     depth: float
@@ -91,7 +91,7 @@ class StuckCell:
 class StuckTaxels:
     """Which taxels repeat their raw value while the load goes farther than `_STUCK_FORCE` from where it was when that began.
 
-    Repeats long enough are so rare that only the sample at which each taxel last changed is kept, and looked at when it may be time.
+    Long repeats are rare: so only the sample at which each taxel last changed is kept, and checked once the longest repeat may be enough.
     """
 
     def __init__(self, count: int, samples: int) -> None:
@@ -101,7 +101,7 @@ class StuckTaxels:
         self._last, self._new = np.full(count, np.nan), np.empty(count, bool)
         self._since = np.zeros(count, int)  # the sample at which each began to repeat itself
         self._loads: deque[float] = deque(maxlen=samples + 1)
-        self._start, self._farthest = np.zeros(count), np.zeros(count)  # N, of the suspects: load at their `_since`, and way from there
+        self._start, self._farthest = np.zeros(count), np.zeros(count)  # N, of the suspects: load at `_since`, greatest change from it
 
     def add(self, raw: np.ndarray, load: float) -> np.ndarray | None:
         """Take one more sample (T,) and the load (N); gives booleans (T,), or None for no taxel at all."""
@@ -181,7 +181,7 @@ class Sensing:
         raw, full = (r.taxel_voltage, TAXEL_FULL_SCALE) if volts else (r.taxel_force, math.inf)
         stuck = self._stuck_taxels.add(raw, load)
         force = self.calibration.taxel_force(raw) if volts else raw
-        # NaN is not below anything, so that what is silent has to pass the closer look, too.
+        # NaN is not below anything, so a silent taxel has to pass the closer look, too.
         if stuck is None and self._all_calibrated and np.maximum.reduce(raw, initial=-math.inf) < full:
             return force, self._all_ok
         status = np.zeros(raw.size, np.uint8)

@@ -34,6 +34,6 @@ class Taring:
             return None
         known = np.isfinite(self._taxels)
         counts = known.sum(axis=0)
-        taxels = np.where(known, self._taxels, 0.0).sum(axis=0) / np.maximum(counts, 1)  # of one that is silent: nothing
+        taxels = np.where(known, self._taxels, 0.0).sum(axis=0) / np.maximum(counts, 1)  # 0 for a silent one
         silent = f"; {np.count_nonzero(counts == 0)} of the taxels said nothing" if (counts == 0).any() else ""
         return Outcome(f"offsets are the means of {self._samples} samples{silent}", Offsets(float(np.mean(self._forces)), taxels))

@@ -56,7 +56,7 @@ class Testbed:
         self._guard = Guard(limits, rig.travel)
         self._sensing = Sensing(calibration, 0.0, self.period, speed_samples)
         self._start_depth, self._begun = start_depth, False
-        self._resuming = False  # the axis is not told anything before it is known where it is
+        self._resuming = False  # True: the axis gets no command until its position is known
         self._motion = Motion(limits, start_depth)
         self._motion.stop(Stop(_WAITING, lost=True), 0.0)
         self._job, self._done = None, None

@@ -29,9 +29,9 @@ TAXEL_RANGE = (0.0, 5.0)  # V, of the conditioner
 _TAXEL_COUNTS = (TAXEL_RANGE[0] / CONVERTER_STEP, TAXEL_RANGE[1] / CONVERTER_STEP)
 _BATCH = 512  # numbers of noise that are drawn at once: few enough that no sample waits for them
 _SCREW = 2.0 * math.pi / 0.04  # rad/m, of the screw's error: one turn in 40 mm
-_SETTLING = 0.2  # s, with which the servo error dies away or sets in
+_SETTLING = 0.2  # s, time constant with which the servo error dies away or sets in
 _STILL = 1e-9  # m/s
-_BENT = 1e-10  # m, to which the bend of the mount is found
+_BENT = 1e-10  # m, accuracy with which the bend of the mount is found
 _TRIES = 6
 _LATERAL_SPEED = 0.01  # m/s, of the x-y stage
 PLUNGER_DIAMETER = 9.9e-3  # m
@@ -194,7 +194,7 @@ class SimulatedRig(Rig):
         self._look_around()
 
     def _look_around(self) -> None:
-        """What a taxel of a bare skin says of the sensed force where the plunger is, (T,), and (1 + T,) in steps of the converter."""
+        """For a bare skin, update the taxels' shares of the sensed force where the plunger is, (T,), and in converter steps/N, (1 + T,)."""
         if self._bare is None:
             return
         self._shares = self._shares_here()
@@ -202,7 +202,7 @@ class SimulatedRig(Rig):
         self._greatest_gain = float(self._gains.max())
 
     def _shares_here(self) -> np.ndarray:
-        """Each taxel's share of the sensed force, (T,), where the plunger is: what a skin of 1 N/m says of a depth of 1 m."""
+        """Each taxel's share of the sensed force, (T,), where the plunger is: the response of a skin of 1 N/m to a depth of 1 m."""
         unit = replace(self._model, dispersion=Dispersion(k1=1.0, b1=0.0, k2=0.0, b2=0.0, m=0.0))
         sample = Sample(0.0, 1.0, 0.0, 0.0, np.array(self._xy) if any(self._xy) else None)
         return unit.step(unit.initial(), sample, self._dt)[1].taxels_truth

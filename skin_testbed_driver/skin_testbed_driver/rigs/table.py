@@ -25,7 +25,7 @@ def read_table(path: str | os.PathLike) -> Recorded:
 def write_table(path: str | os.PathLike, recorded: Recorded) -> int:
     """Write `recorded` with tabs between its columns, a row for every sample of depth, and return how many rows that is.
 
-    Force and taxels that were sampled at other times are interpolated; nan is what nobody knows. Depths are written to the picometre,
+    Force and taxels that were sampled at other times are interpolated; nan is unknown. Depths are written to the picometre,
     forces to the nanonewton. Raises `RigError` where `path` exists or cannot be written; then nothing is left there.
     """
     t, path = recorded.depth.t, Path(path)

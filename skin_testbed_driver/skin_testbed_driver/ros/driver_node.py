@@ -118,7 +118,7 @@ class DriverNode(LifecycleNode):
     def _activate(self) -> None:
         gc.unfreeze()
         gc.collect()
-        gc.freeze()  # what is there stays: going through all of it again would take a period or more
+        gc.freeze()  # leaves the objects made so far out of later collections: going through them would take a period or more
         settings = self._settings.now
         if settings.time_scale == 1.0:  # in real time the first sample is now, however long configuring took or the node was inactive
             self._stamp_ns = max(self._stamp_ns, self._clock_ns())

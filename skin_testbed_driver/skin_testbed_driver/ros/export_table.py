@@ -4,8 +4,8 @@
     ros2 run skin_testbed_driver export_table session_1 --out first.tsv
 
 Columns: t_s, x_mm, force_n, taxel_0_n, …; compression is positive, what is not known is nan. `fit`, `diagnose` and rig:=replay read it,
-and import_table makes a bag of it again. The recording's rig.yaml comes with it. Of a file that is cut off, what is there is written, and
-how much that is is said. Exit status 2 where nothing can be written.
+and import_table makes a bag of it again. The recording's rig.yaml comes with it. Of a file that is cut off, what can be read is written,
+and a warning tells how much that is. Exit status 2 where nothing can be written.
 """
 
 import argparse

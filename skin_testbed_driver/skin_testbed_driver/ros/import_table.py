@@ -2,8 +2,9 @@
 
     ros2 run skin_testbed_driver import_table session_1.tsv --out session_1
 
-The table has the columns t_s, x_mm, force_n, taxel_0_n, …, as export_table writes it, and is read as `fit` reads it; what was mended in
-it is said. Stamps begin at --start (seconds since 1970; default: when the table was written). Exit status 2 where that is not possible.
+The table has the columns t_s, x_mm, force_n, taxel_0_n, …, as export_table writes it, and is read as `fit` reads it; warnings tell what
+was mended in it. Stamps begin at --start (seconds since 1970; default: when the table was written). Exit status 2 where that is not
+possible.
 """
 
 import argparse

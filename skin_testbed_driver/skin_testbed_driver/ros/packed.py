@@ -26,7 +26,7 @@ class Packed:
         self._at = {name: _place(message, name, len(plain)) for name in fields}
         # rclpy estimates the size and may add bytes that say nothing, which strict readers refuse.
         end = max(at.stop for at in self._at.values())
-        self._last: dict[str, np.ndarray] = {}  # by field, where it can have changed by another array only
+        self._last: dict[str, np.ndarray] = {}  # by field: an array that cannot change in place
         self._bytes = bytearray(plain[: end + behind] if end else plain)
 
     def with_stamp(self, stamp: tuple[int, int]) -> "Packed":
@@ -57,7 +57,7 @@ class Packed:
 
 
 def _place(message: Any, name: str, length: int) -> slice:
-    """Where a field lies: there alone any pattern that is written into it comes out. Bytes that only pad may hold anything."""
+    """The bytes of a field: the only place where every pattern written into it comes out again. Padding bytes may hold anything."""
     *way, last = name.split(".")
     owner = reduce(getattr, way, message)
     zero = getattr(owner, last)

@@ -40,7 +40,7 @@ class Publishing:
 
         self._streams = [publisher(JointState, "encoder"), publisher(WrenchStamped, "force"), publisher(TaxelArray, "taxels")]
         self._truth = publisher(TaxelArray, "taxels_truth") if rig.owns_time and rig.moves else None
-        # What `publish` comes to for bytes, without its look at type and lifecycle: there are samples only while the node is active.
+        # What `publish` does with bytes, without its checks of type and lifecycle: there are samples only while the node is active.
         self._send = [p.handle.publish_raw for p in self._streams]
         self._send_truth = self._truth.handle.publish_raw if self._truth else None
         self._truth_heard = False

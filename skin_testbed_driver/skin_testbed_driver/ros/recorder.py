@@ -127,7 +127,7 @@ class Recorder(Node):
         self.create_subscription(message_class, name, callback, matching(infos, self._settings.depth), raw=True)
 
     def _try(self, action: Callable, *args: Any) -> None:
-        """Do it, unless the file cannot be written any more: that ends the node. An executor would show where in the code it was."""
+        """Call `action`. If the file cannot be written any more, end the node with that sentence: an executor would print a traceback."""
         if self._failed:
             return
         try:

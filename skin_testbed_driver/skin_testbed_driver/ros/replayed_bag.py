@@ -57,7 +57,7 @@ def _heard(path: str, faults: list[str], foreign: dict[str, str]) -> dict[str, d
 
 
 def _chosen(heard: dict[str, dict[str, list[Any]]], namespace: str) -> tuple[dict[str, str], tuple[str, ...]]:
-    """The topic of every role, as `fit` chooses: a simulated skin that was recorded beside the rig is not the rig. And what to know."""
+    """The topic of every role, as `fit` chooses: a simulated skin that was recorded beside the rig is not the rig. And warnings."""
     chosen, notes = {}, []
     for role, topics in heard.items():
         wanted = f"/{namespace.strip('/')}/{role}"
@@ -84,15 +84,18 @@ def _samples(role: str, messages: list[Any]) -> list[tuple[int, Any]]:
 
 
 def _read(tracks: dict[str, Track]) -> str:
-    """How much of a recording that is not whole there is."""
+    """A clause that says how much of an incomplete recording was read."""
     counts = [f"{counted(track.t.size, 'sample')} of {role}" for role, track in tracks.items()]
     lacking = "" if "taxels" in tracks else ", and no taxels,"
     return f"{', '.join(counts)}{lacking} up to {tracks['encoder'].t[-1]:.2f} s were read; what is lost cannot be told"
 
 
 def _messages(path: str, faults: list[str], foreign: dict[str, str]) -> Iterator[tuple[str, str, Any]]:
-    """Messages of the topics that matter, each with the last part of its name, and all of it. What a damaged file has lost is added to
-    `faults`; topics that only bear the name, for a bag may be anybody's, to `foreign`, with what is to be said of them."""
+    """Messages of the topics that matter, each with its role (the last part of the topic's name) and the whole name of its topic.
+
+    What a damaged file has lost is added to `faults`. Topics that have the name of a role but another type are added to `foreign`, each
+    with a sentence about it: a bag may be anybody's.
+    """
     for file in _files(path):
         schemas, channels = {}, {}
         for record in records(file, faults):
@@ -124,7 +127,7 @@ def _role(topic: str) -> str:
 
 
 def _foreign(topic: str, role: str, name: str) -> str:
-    """What is to be said of a topic of another type than its role has; empty where it is the right one."""
+    """A sentence about a topic of another type than its role has; empty where the type is right."""
     kind = _TYPES[role]
     wanted = f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
     return "" if name == wanted else f"topic {topic} has type {name}, and {role} is replayed from {wanted}"

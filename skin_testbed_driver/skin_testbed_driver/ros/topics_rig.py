@@ -10,8 +10,8 @@ A signal that has been silent for `stale_after` is NaN: the driver then stops. T
 not ours.
 
 A JointTrajectory has one point, one sample ahead, and no speed: joint_trajectory_controller of Jazzy refuses a trajectory that ends with
-speed (allow_nonzero_velocity_at_trajectory_end is false by default), and goes in a straight line to a point without. Whoever allows it
-sets `axis_speeds`. Silence of the driver leaves the axis at its last point.
+speed (allow_nonzero_velocity_at_trajectory_end is false by default), and goes in a straight line to a point without speed. Where the
+controller allows speed there, set `axis_speeds`. When the driver falls silent the axis stays at its last point.
 """
 
 import math
