@@ -110,9 +110,10 @@ def rehearse(plan: Iterable[Stage], start: float, travel: Travel, limits: Limits
 
 
 def stop(state: State, limits: Limits, retract_to: float | None, travel: Travel, clear: float = 0.0) -> Trajectory | None:
-    """From the middle of a motion to rest, and then to the depth `retract_to` (m), or nowhere for None. None where already there.
+    """From the middle of a motion to rest, and then, unless it is None, to the depth `retract_to` (m). None where already there.
 
-    Who retracts only goes backwards: where the rest is beyond `retract_to` already, by `clear` (m) as far as the limit in the air.
+    A retreat only goes backwards: to `retract_to`, or by `clear` (m) from where the plunger comes to rest if that leads higher, but then no
+    higher than the limit in the air.
     """
     pieces = brake(state, limits.max_acceleration)
     if retract_to is not None:

@@ -26,7 +26,7 @@ class Profile(Entry, ABC):
 
     @abstractmethod
     def pieces(self, start: float) -> Iterable[Piece]:
-        """The motion. `start` (m) is where the plunger is before it; all but relative profiles begin where they say, not there."""
+        """The motion. `start` (m) is where the plunger is before it. Only relative profiles begin there, others at a depth of their own."""
 
     def trajectory(self, start: float = 0.0) -> Trajectory:
         """The motion as a function of time; `start` (m) matters to relative profiles only."""

@@ -62,7 +62,7 @@ def _content(source: str) -> dict[str, Any]:
 
 
 def _settings(words: Iterable[str]) -> dict[str, Any]:
-    """Settings by their key; one that stands twice is a slip, whichever of them was meant."""
+    """Settings by their key. Raises `ProfileError` for a key that is given twice: nobody knows which was meant."""
     values: dict[str, Any] = {}
     for key, value in map(_setting, words):
         if key in values:

@@ -1,6 +1,6 @@
 """Actions between two motions: what is asked of the driver's services, of the x-y stage, or of the person who turns its screws.
 
-`begin` starts one and gives a function to poll, which answers None until it is known how it went.
+`begin` starts an action and returns a function to poll, which gives None until the outcome is known.
 """
 
 import math

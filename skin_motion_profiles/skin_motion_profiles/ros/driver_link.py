@@ -22,7 +22,7 @@ from skin_motion_profiles.trajectory import Trajectory
 
 JOINT = "indentation"
 _REST_ERROR = 2e-5  # m, by how much a resting stage may miss its target
-_TIMING = 0.2  # s of samples that tell how quick the node's clock is
+_TIMING = 0.2  # s of samples that are enough to determine the rate of the node's clock
 # Every piece counts: a driver that stalls for a second must find them all, also those of force control at 100 Hz.
 _COMMANDS = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
 
@@ -75,7 +75,7 @@ class DriverLink:
 
     @property
     def timed(self) -> bool:
-        """Whether `rate` rests on samples enough."""
+        """Whether enough samples came to determine `rate`."""
         return len(self._recent) > 1 and self._recent[-1].arrival - self._recent[0].arrival >= _TIMING
 
     def silent(self, patience: float) -> list[str]:
@@ -98,7 +98,7 @@ class DriverLink:
         return self.told if near else self.depth.value
 
     def mark(self) -> int:
-        """A node time (ns) that no sample taken before this moment bears, also where /clock comes a sample late."""
+        """A node time (ns) later than the stamp of any sample taken before this moment, even where /clock comes a sample late."""
         period = 1e9 / (self.state.sample_rate if self.state.sample_rate > 0.0 else 100.0)
         return max(self.now(), self.depth.stamp, self.force.stamp) + int(1.5 * period)
 

@@ -29,10 +29,10 @@ from skin_motion_profiles.trajectory import Trajectory
 
 Result = ExecuteProfile.Result
 _AT_REST = 1e-9  # m/s
-_CLEAR = 2e-3  # m, by how much the plunger leaves what was too hard at least: it may lie above what is taken for the surface
+_CLEAR = 2e-3  # m, least retreat after an over-force: what was hit may lie above what is taken for the surface
 _LOOK = 0.02  # s between two looks at the driver; messages wake it earlier
-_HELD_UP = 0.5  # s by which a look comes late where this process itself stood still: longer than the driver has motion in hand
-_CATCH_UP = 0.3  # s, to hear then what was said meanwhile
+_HELD_UP = 0.5  # s; a look later than this means that this process itself stood still, longer than the driver has motion in hand
+_CATCH_UP = 0.3  # s, after that, to receive the messages that came meanwhile
 
 _MEETING = 5.0  # s
 
@@ -189,7 +189,8 @@ class Run:
         return True
 
     def wait(self) -> None:
-        """Until there is news of the driver, but not long. Who was held up himself hears it out before he calls it silent."""
+        """Wait for news of the driver, for `_LOOK` at most. If this process itself was held up, it first receives what came meanwhile, so
+        that it does not call the driver silent."""
         begin = time.monotonic()
         self.link.news.wait(_LOOK)
         if time.monotonic() - begin > _HELD_UP:
