@@ -1,4 +1,4 @@
-"""The main job, end to end, on a simulated rig whose effect a seed has hidden:
+"""The whole diagnosis, end to end, on a simulated rig in which a seed has hidden an effect:
 
     rig with something hidden ─► sessions through the action ─► MCAP bags ─► diagnosis ─► extended model ─► simulated skin, live
 
@@ -34,7 +34,7 @@ from skin_models.model import Model
 from skin_models.model_file import save_model
 from skin_models.parameter import parameters_of
 
-HIDEABLE = {  # no zero of a sensor: the tare takes it away
+HIDEABLE = {  # without zero offsets of sensors: the tare removes them
     "stress_relaxation": "skin",
     "nonlinear_stiffness": "skin",
     "hysteresis": "skin",
@@ -47,7 +47,7 @@ NOTHING = "none"
 SECRET = "secret_specimen.yaml"
 SESSIONS = 3
 FASTER = 4.0  # than real time
-LATER = 100  # by which the seeds of the last comparison lie behind those of the sessions
+LATER = 100  # added to the seed for the last comparison, which is thus another run than the sessions
 MOST = 2**31 - 1  # what the driver takes for a seed
 
 
@@ -99,7 +99,7 @@ def specimen_with_secret(seed: int, cause: str | None) -> tuple[Model, Effect | 
 
 
 def _announced(cause: str | None) -> str:
-    """What may be said beforehand: nothing that who started the demo does not know."""
+    """What may be said beforehand: nothing that the user does not know yet."""
     if cause is None:
         return "the rig hides something (the answer comes last)"
     return "the rig hides nothing, as you asked" if cause == NOTHING else f"the rig hides {cause}, as you asked"
@@ -130,7 +130,7 @@ def live_comparison(folder: Path, seed: int, tell: "Teller") -> str:
 
 
 def error_table(bag: Path) -> str:
-    """RMSE of both simulated skins against the rig over the samples of one stamp, from a bag in which all three published."""
+    """RMSE of both simulated skins against the rig over the samples with a common stamp, from a bag in which all three published."""
     with AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as reader:
         rows = {who: _samples(reader, who) for who in ("", "/before", "/after")}
     stamps = sorted(set.intersection(*map(set, rows.values())))

@@ -58,7 +58,7 @@ class Settings:
     model_path: str = setting("identified_model.yaml", "file that `~/save` writes")
 
 
-learning = attrgetter("window", "cutoff", "mass", "joint")  # the settings that make another estimate
+learning = attrgetter("window", "cutoff", "mass", "joint")  # the settings whose change starts the estimate anew
 
 
 class IdentNode(Node):

@@ -39,7 +39,7 @@ class NotWritten(Exception):
 
 @contextmanager
 def _writing() -> Iterator[None]:
-    """Whatever is refused meanwhile is a matter of writing, not of the input."""
+    """Turns every `SkinError` and `OSError` of the block into `NotWritten`: what fails there is the writing, not the input."""
     try:
         yield
     except SkinError as error:
@@ -58,7 +58,7 @@ class Run:
     done: float = field(default=0.0)
 
     def after(self, others: Lock) -> Result:
-        """The result, once the goals before this one are done with, which may be never: it can be cancelled until then."""
+        """Wait until the goals before this one have ended, then do the work. The goal can be cancelled while it waits."""
         while not others.acquire(timeout=_LOOK):
             if self.cancelled():
                 return Result(error_code=Result.CANCELLED, error_string="cancelled; nothing was written")

@@ -10,8 +10,8 @@ from typing import Any
 from skin_models.errors import SkinError
 from skin_models.ros.processes import Domain, Processes
 
-# No search for the surface: it ends where the load cell first feels it, some 15 um deep, and the diagnosis would rightly name that. A mean
-# over one second is 5 mN off in one of three cases, which it would name, too.
+# Without a search for the surface: it ends where the load cell first feels it, some 15 um deep, and the diagnosis would rightly name that
+# offset. The tare takes 10 s: a mean over one second is 5 mN off in one of three cases, and the diagnosis would name that, too.
 TARE = "{type: battery, profiles: [{type: free_air, clearance_mm: 1.0, duration_s: 0.5}, {type: tare, duration_s: 10}]}"
 PATIENCE = 30.0  # s until a node is ready: a busy machine needs a while to import
 
