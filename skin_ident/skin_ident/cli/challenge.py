@@ -1,4 +1,4 @@
-"""`challenge --out DIR`: hide effects in simulated recordings, look for them, and count. The same command again goes on."""
+"""`challenge --out DIR`: hide effects in simulated recordings, diagnose them, and count the hits. The same command again resumes."""
 
 import argparse
 import math

@@ -1,4 +1,4 @@
-"""Manners that all command lines share: one clear sentence and status 2 for bad input, nothing half written, progress to stderr."""
+"""What all command lines share: one clear sentence and status 2 for bad input, nothing half written, progress to stderr."""
 
 import argparse
 import json
@@ -51,7 +51,7 @@ def run(main: Callable[[Sequence[str] | None], int], arguments: Sequence[str] | 
 
 
 class Parser(argparse.ArgumentParser):
-    """Says what is wrong with the arguments as everything else is said that is wrong: in one line."""
+    """Reports wrong arguments as all other errors are reported: in one line."""
 
     def error(self, message: str) -> NoReturn:
         """Raises `RecordingError`."""
@@ -88,7 +88,7 @@ def topics_of(pairs: Sequence[str]) -> dict[str, str]:
 
 
 def check_output(path: str) -> None:
-    """Refuse an output folder that cannot be, before any work; nothing stays there yet. Raises `RecordingError`."""
+    """Refuse an output folder that cannot be made or written, before any work; leaves nothing there. Raises `RecordingError`."""
     if not path:
         raise RecordingError("--out needs a name: '' is none")
     folder = Path(path).absolute()
@@ -144,7 +144,7 @@ def whole_folder(path: str) -> Iterator[Path]:
 
 
 def _without_empty_folders() -> list[Path]:
-    """Remove the folders that this command made and put nothing into; what is left of all it was given to write into, outermost first."""
+    """Remove the empty folders that this command made. Returns those of its output folders that exist then, outermost first."""
     for folder in reversed([folder for folder, new in _given.items() if new]):
         with suppress(OSError):  # something is in it
             folder.rmdir()

@@ -1,4 +1,4 @@
-"""`diagnose RECORDING… --out DIR`: what the simulation gets wrong on measured data, by which cause, and what naming it is worth."""
+"""`diagnose RECORDING… --out DIR`: what the simulation gets wrong on measured data, from which cause, and what the model gains by it."""
 
 import argparse
 import re
@@ -58,12 +58,12 @@ def _main(arguments: Sequence[str] | None) -> int:
 
 
 def _check_apart(out: Path, files: Sequence[Path]) -> None:
-    """Raises `RecordingError` for an answer that would lie in a recording; beside them it may, as the demo's does."""
+    """Raises `RecordingError` where the output folder is a recording; a folder that contains recordings is allowed, as in the demo."""
     if out.resolve() in {file.resolve() for file in files}:
         raise RecordingError(f"--out {out} is a recording: name another folder, for the answer is to lie apart from it")
 
 
-Files = list[tuple[Path, str]]  # and what is to be said of each, or nothing
+Files = list[tuple[Path, str]]  # each with a warning about it, or an empty text
 
 
 def apart(recordings: list[str], hold_out: list[str]) -> tuple[Files, Files]:
@@ -91,12 +91,12 @@ def _loaded(files: Sequence[tuple[Path | str, str]], how: dict[str, Any], taxels
 
 
 def warned(recording, said: str):
-    """A session with one more warning; a static scan bears none."""
+    """A session with one more warning, if there is one; a static scan as it is, for it has no warnings."""
     return replace(recording, warnings=(*recording.warnings, said)) if said and hasattr(recording, "warnings") else recording
 
 
 def write(outcome: Outcome, folder: Path) -> None:
-    """Write findings.json, model.yaml (and baseline.yaml, what it started from), separating batteries, the report, and what renders it."""
+    """Write findings.json, model.yaml (and baseline.yaml, what it started from), separating batteries, and the report with its data."""
     write_report(outcome, folder)
     save_traces(outcome, folder)
     if outcome.model is not None:

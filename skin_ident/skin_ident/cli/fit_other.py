@@ -1,4 +1,4 @@
-"""`fit --what prony`, `calibration` or `stiffness`: what else holds, stairs and slow presses tell, as a table and as files."""
+"""`fit --what prony`, `calibration` or `stiffness`: what else holds, stairs and slow presses determine, as a table and as files."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace

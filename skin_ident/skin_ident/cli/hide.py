@@ -50,7 +50,7 @@ def _sessions(loaded: list) -> list[Recording]:
     check_units(loaded)
     belong_together(loaded)
     same = first_repeat(loaded)
-    if same:  # as two sessions they would be a riddle that no rig sets
+    if same:  # no rig records the same samples in two sessions
         what = f"{same[0]} is given twice" if same[0] == same[1] else f"{same[0]} and {same[1]} hold the same samples"
         raise HidingError(f"{what}: an effect is hidden in each recording once, leave one out")
     return loaded

@@ -1,4 +1,4 @@
-"""`identify --until-named --out DIR`: alternate experiments on the simulated rig with criticism until one name is left."""
+"""`identify --until-named --out DIR`: alternate experiments on the simulated rig with diagnosis until one cause is left."""
 
 import argparse
 import math
@@ -44,7 +44,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     if chosen.cause != NOTHING:
         check_cause(chosen.cause)
     common.check_seed(chosen.seed)
-    (common.check_empty if chosen.live else common.check_output)(chosen.out)  # a bag takes no place that is taken
+    (common.check_empty if chosen.live else common.check_output)(chosen.out)  # a bag is not written over anything
     check_free(Path(chosen.out) / "recordings")
     specimen = load_model(chosen.specimen) if chosen.specimen else _specimen(chosen.cause, chosen.seed, chosen.first)
     entry_from_words(chosen.first), entry_from_words(chosen.fixed)  # raises before anything is written
