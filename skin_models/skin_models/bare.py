@@ -20,7 +20,7 @@ class BareSkin:
         """`period` in s. Only for a model for which `is_bare` holds."""
         d = model.dispersion
         self._m, self._b1, self._k1, self._b2, self._k2 = d.m, d.b1, d.k1, d.b2, d.k2
-        self._recovery = d.recovery
+        self._recovery, self._share = d.recovery, d.unpulled_share
         self._fade = math.exp(-period / d.recovery) if d.recovery else 0.0
         self._free = d.free_stiffness
         self._surface: float | None = None  # m, where the skin's surface is under the plunger
@@ -36,8 +36,9 @@ class BareSkin:
             return 0.0, self._free * left
         self._surface = x
         sensed, dispersed = self._b1 * v + self._k1 * x, self._b2 * v + self._k2 * x
-        if not sensed + dispersed > 0.0:
-            sensed = dispersed = 0.0
+        if sensed + dispersed < 0.0:
+            sensed -= self._share * (sensed + dispersed)
+            dispersed = -sensed
         return sensed + dispersed + self._m * (a - GRAVITY), sensed
 
 

@@ -89,15 +89,19 @@ class Dispersion:
         """Sensed and dispersed force (2,) or (2, N) of skin that cannot pull at the plunger.
 
         Where they add up to less than zero, the surface recovers so much more slowly that they cancel: the sensed force takes the share
-        b1 / (b1 + b2) of the correction, and the dispersed force is its opposite.
+        b1 / (b1 + b2) of the correction (none where damping is not above zero), and the dispersed force is its opposite.
         """
         total = forces[0] + forces[1]
         pulls = total < 0.0
         if not pulls.any():  # nearly always, and this runs for every single sample
             return forces
-        share = min(max(self.b1 / (self.b1 + self.b2), 0.0), 1.0) if self.b1 + self.b2 > 0.0 else 0.0
-        sensed = forces[0] - share * total * pulls
+        sensed = forces[0] - self.unpulled_share * total * pulls
         return np.array([sensed, np.where(pulls, -sensed, forces[1])])
+
+    @property
+    def unpulled_share(self) -> float:
+        """The share of the correction in `unpulled` that the sensed force takes."""
+        return min(max(self.b1 / (self.b1 + self.b2), 0.0), 1.0) if self.b1 + self.b2 > 0.0 else 0.0
 
     def contact(self, s: Motion) -> np.ndarray:
         """Whether the plunger touches the skin, (N,) of bool."""

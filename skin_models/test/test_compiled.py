@@ -6,6 +6,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from skin_models import native
+from skin_models.effects.adhesion import Adhesion
 from skin_models.effects.spread_shape import SpreadShape
 from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.layout import A201_AREA, arbitrary, grid, hexagonal, row
@@ -106,6 +107,27 @@ def test_the_simulated_skin_is_the_same_either_way(model):
         states = [r[0] for r in results]
         slow, fast = (r[1] for r in results)
         assert fast.taxels == pytest.approx(slow.taxels, abs=1e-4) and fast.dispersed == pytest.approx(slow.dispersed, abs=1e-3)
+
+
+def test_a_skin_that_pulls_does_so_either_way():
+    """On the way out it holds on to the plunger: its taxels feel less than nothing, whichever way they are worked out."""
+    model = SILICONE.extended(Adhesion(where="skin", pull_sensed=2.0, pull_dispersed=1.0, reach=0.2e-3))
+    skins = [SimulatedSkin(model, LAYOUTS[0], 0.01, fast=fast) for fast in (False, True)]
+    states, pulled, outside = [skin.initial() for skin in skins], 0, set()
+    for depth in np.concatenate([np.linspace(0.0, 1e-3, 50), np.linspace(1e-3, -3e-4, 100)]):
+        p = Presses(("a",), np.zeros((1, 3)), np.array([np.nan]), np.array([depth]), np.zeros(1))
+        results = [skin.step(state, p) for skin, state in zip(skins, states, strict=True)]
+        states, (slow, fast) = [r[0] for r in results], [r[1] for r in results]
+        assert fast.truth == pytest.approx(slow.truth, abs=1e-4)
+        pulled, outside = pulled + (slow.truth.sum() < -0.1), outside | {slow.outside - fast.outside}
+    assert pulled and outside == {0}
+
+
+@pytest.mark.parametrize("force", [2.0, 0.0])
+def test_a_contact_that_no_taxel_is_near_is_counted_either_way(force):
+    skins = [SimulatedSkin(SILICONE.extended(StressRelaxation.typical("skin")), LAYOUTS[0], 0.01, fast=fast) for fast in (False, True)]
+    p = Presses(("a",), np.array([[9.0, 0.0, 0.0]]), np.array([force]), np.array([np.nan]), np.zeros(1))
+    assert [skin.step(skin.initial(), p)[1].outside for skin in skins] == [1, 1]
 
 
 def test_kernels_without_a_fast_path_say_so():

@@ -22,8 +22,10 @@ def evaluate(value: Any, arguments: Mapping[str, float], label: str) -> Any:
         return [evaluate(v, arguments, label) for v in value]
     if not isinstance(value, str):
         return value
+    if len(value) > _LONGEST:
+        raise ProfileError(f"{label}: an expression has at most {_LONGEST} characters, this one {len(value)}")
     try:
-        return float(value) if _is_float(value) else _number(ast.parse(value[:_LONGEST], mode="eval").body, arguments, label)
+        return float(value) if _is_float(value) else _number(ast.parse(value, mode="eval").body, arguments, label)
     except (SyntaxError, ValueError, RecursionError) as error:
         raise ProfileError(f"{label}: {value!r} is neither a number nor an expression such as 0.5*depth_mm") from error
     except (ZeroDivisionError, OverflowError) as error:

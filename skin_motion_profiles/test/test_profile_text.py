@@ -107,6 +107,12 @@ def test_an_expression_is_arithmetic_and_nothing_else(text):
         entry_from_text(f'{{type: battery, arguments: {{d: 1}}, profiles: [{{type: step, depth_mm: "{text}"}}]}}')
 
 
+def test_an_expression_that_is_too_long_is_refused_and_not_cut():
+    assert evaluate("1" + 99 * "+1", {}, "it") == 100.0
+    with pytest.raises(ProfileError, match="it: an expression has at most 200 characters, this one 203"):
+        evaluate("1" + 101 * "+1", {}, "it")
+
+
 def test_words_of_a_command_line(tmp_path):
     file = tmp_path / "mine.yaml"
     file.write_text("type: step\ndepth_mm: 1\n")

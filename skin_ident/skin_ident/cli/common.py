@@ -44,6 +44,7 @@ def run(main: Callable[[Sequence[str] | None], int], arguments: Sequence[str] | 
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as error:
+        _without_empty_folders()
         clear_line()
         print(f"error: {refusal(error)}", file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

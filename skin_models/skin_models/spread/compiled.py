@@ -81,14 +81,19 @@ class CompiledSkin:
 
     def step(self, contacts: Contacts) -> Step:
         """One sample under `contacts`."""
-        n = len(contacts)
-        self.put(contacts.position, contacts.force, contacts.radius, contacts.normal)
-        if self.field.kernel.deep:
-            self._arrays["scale"][:n] = self.field.kernel.scale(contacts.depth)
-        return self.advance(n)
+        self.put(contacts.position, contacts.force, contacts.radius, contacts.normal, contacts.depth)
+        return self.advance(len(contacts))
 
-    def put(self, position: np.ndarray, force: np.ndarray, radius: np.ndarray | float = 0.0, normal: np.ndarray | None = None) -> None:
-        """Set the contacts of the next `advance` without any check, for loops that count microseconds; normals are of unit length."""
+    def put(
+        self,
+        position: np.ndarray,
+        force: np.ndarray,
+        radius: np.ndarray | float = 0.0,
+        normal: np.ndarray | None = None,
+        depth: np.ndarray | float = np.nan,
+    ) -> None:
+        """Set the contacts of the next `advance` without any check, for loops that count microseconds; normals are of unit length. Forces
+        may pull, as those of skin that adheres do."""
         n = len(force)
         if n > len(self._arrays["force"]):
             self._set_contacts(2 * n)
@@ -96,6 +101,8 @@ class CompiledSkin:
         held["position"][:n], held["force"][:n], held["radius"][:n] = position, force, radius
         if normal is not None:
             held["normal"][:n] = normal
+        if self.field.kernel.deep:
+            held["scale"][:n] = self.field.kernel.scale(depth)
         self._skin.normal = self._normal_address if normal is not None else None
 
     def advance(self, count: int) -> Step:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from skin_models.spread.compiled import CompiledSkin
+from skin_models.spread.compiled import CompiledSkin, Step
 from skin_models.spread.contacts import Contacts
 from skin_models.spread.field import Shares, SpreadField
 from skin_models.transmission import Transmission
@@ -77,10 +77,16 @@ class CompiledSpreader:
 
     def step(self, state: Any, patches: Patches, known: np.ndarray, through: np.ndarray) -> tuple[Any, np.ndarray, int]:
         """As `DenseSpreader.step`; `state` is not used."""
-        outside, truth = 0, None
-        for skin, force in ((self._static, through), (self._filtered, known)):
-            if skin is not None and (skin is self._filtered or np.any(force)):
-                step = skin.step(Contacts(patches.position, np.maximum(force, 0.0), patches.radius, patches.depth))
-                truth = step.readings.copy() if truth is None else truth + step.readings
-                outside = step.outside
-        return state, np.zeros(len(self._static.field.layout)) if truth is None else truth, outside
+        truth = 0.0
+        if self._filtered is None or np.any(through):
+            step = self._advance(self._static, patches, through)
+            truth = step.readings.copy()
+        if self._filtered is not None:
+            step = self._advance(self._filtered, patches, known)
+            truth = truth + step.readings
+        return state, truth, step.outside
+
+    @staticmethod
+    def _advance(skin: CompiledSkin, patches: Patches, force: np.ndarray) -> Step:
+        skin.put(patches.position, force, patches.radius, depth=patches.depth)
+        return skin.advance(len(force))
