@@ -38,7 +38,7 @@ def test_as_a_program(tmp_path):
 def test_prints_a_table_and_writes_two_files(fit, tmp_path):
     write_bag(tmp_path / "in" / "a", R)
     write_table(tmp_path / "in" / "b.csv", R)
-    done = fit(tmp_path / "in", "--thickness_mm", 4, "--out", tmp_path / "out")
+    done = fit(tmp_path / "in", "--thickness-mm", 4, "--out", tmp_path / "out")
     assert done.returncode == 0 and "identifiable" in done.stdout and "N*s/m" in done.stdout and "Traceback" not in done.stderr
     content = json.loads((tmp_path / "out" / "fit.json").read_text())
     k1 = content["parameters"]["k1"]

@@ -42,7 +42,7 @@ from skin_models.model_file import save_model
 from skin_models.words import counted
 
 _MASS = (
-    "free, a value in kg, or fixed (the default): moving_mass_kg of rig.yaml, or that of silicone as thick as --thickness_mm or rig.yaml "
+    "free, a value in kg, or fixed (the default): moving_mass_kg of rig.yaml, or that of silicone as thick as --thickness-mm or rig.yaml "
     f"says, or else {USUAL_MM:g} mm"
 )
 
@@ -192,7 +192,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--arms", type=int, help="how many of --what prony; left out: as few as explain the data")
     parser.add_argument("--keep-stamps", action="store_true", help="leave uneven samples where they are instead of resampling them")
     parser.add_argument("--mass", default="fixed", help=_MASS)
-    parser.add_argument("--thickness_mm", type=float, help="thickness of the skin, for a fixed mass that is not declared")
+    parser.add_argument("--thickness-mm", "--thickness_mm", type=float, help="thickness of the skin, for a fixed mass that is not declared")
     parser.add_argument("--motion", default=MEASURED, choices=(MEASURED, SINUSOID), help="depth as measured, or the sinusoid fitted to it")
     parser.add_argument("--offsets", action="store_true", help="fit a zero of every channel in every session, too")
     parser.add_argument("--order", type=int, default=1, choices=(1, 2), help="from force to force: 1 without mass, 2 as thesis eq 32")
