@@ -85,6 +85,16 @@ def test_a_zero_that_jumps_in_a_test_without_depth_is_no_drift(tmp_path, seed):
     assert names == [("force_offset", "taxel")]
 
 
+@pytest.mark.parametrize("driven", [True, False])
+@pytest.mark.parametrize("seed", rows((8, 9), 1))
+def test_a_gain_that_steps_at_another_moment_in_every_session_by_another_amount(tmp_path, seed, driven):
+    recordings = read(tmp_path, make_sessions(None, seed=seed, n_sessions=4, noise="white", n_taxels=2)[0])
+    steps = ((0.3, 0.05), (0.7, -0.02), (0.5, 0.03), (0.8, 0.06))
+    gains = [np.array([1.0 + size * (r.t > share * r.t[-1]), np.ones(len(r))]) for r, (share, size) in zip(recordings, steps, strict=True)]
+    spoilt = [replace(r, depth=None if driven else r.depth, taxels=r.taxels * g) for r, g in zip(recordings, gains, strict=True)]
+    assert named(spoilt[:3], spoilt[3:])[0] == [("gain_error", "taxel_0")]
+
+
 @pytest.mark.parametrize("seed", rows((8, 9, 10), 1))
 def test_a_material_test_of_which_one_session_is_stiffer_by_some_percent_has_a_sound_load_cell(tmp_path, seed):
     """Nothing tells a gain of its only channel from a skin that is another on that day."""
