@@ -95,6 +95,17 @@ def test_a_gain_that_steps_at_another_moment_in_every_session_by_another_amount(
     assert named(spoilt[:3], spoilt[3:])[0] == [("gain_error", "taxel_0")]
 
 
+def test_training_sessions_may_decide_on_a_gain_of_which_the_held_out_one_has_little(tmp_path):
+    """Less from session to session, to and fro: what the last one has of it changes its error by less than is asked for."""
+    recordings = read(tmp_path, make_sessions(None, seed=8, n_sessions=4, noise="white", n_taxels=2)[0])
+
+    def gain(i: int, t: np.ndarray) -> np.ndarray:
+        return 1.0 + (1.0 - 0.3 * i) * (0.05 * (t > (0.3 + 0.03 * i) * t[-1]) - 0.07 * (t > (0.6 + 0.03 * i) * t[-1]))
+
+    spoilt = [replace(r, depth=None, taxels=r.taxels * [gain(i, r.t), np.ones(len(r))]) for i, r in enumerate(recordings)]
+    assert named(spoilt[:3], spoilt[3:])[0] == [("gain_error", "taxel_0")]
+
+
 @pytest.mark.parametrize("seed", rows((8, 9, 10), 1))
 def test_a_material_test_of_which_one_session_is_stiffer_by_some_percent_has_a_sound_load_cell(tmp_path, seed):
     """Nothing tells a gain of its only channel from a skin that is another on that day."""

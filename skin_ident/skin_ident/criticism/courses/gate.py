@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, simulated
-from skin_ident.criticism.courses.carriers import ZERO
+from skin_ident.criticism.courses.carriers import SLOPE, ZERO
 from skin_ident.criticism.courses.course import added, fitted
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, WAVE, Course
 from skin_ident.criticism.courses.run import Run
@@ -59,10 +59,10 @@ def believed(gain: Gain, course: Course) -> bool:
 
 def course_gain(course: Course, before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
     """Gain of the course in `held`, or in `train` where nothing is held out: fitted to every other block, it predicts the blocks between.
-    The models are `before` without and `after` with it, each free as far as training leaves it uncertain. For constant slopes and zeros
-    that held-out sessions do not contradict, the gain in `train` counts if it is larger."""
+    The models are `before` without and `after` with it, each free as far as training leaves it uncertain. For slopes, and for
+    constant zeros, that held-out sessions do not contradict, the gain in `train` counts if it is larger."""
     gain = _gain_in(course, before, after, train, held, noise)
-    if not (held and (course.slopes or course.tares) and len(train) > 1 and _agrees(gain)):
+    if not (held and (course.carrier == SLOPE or course.tares) and len(train) > 1 and _agrees(gain)):
         return gain
     return max(gain, _gain_in(course, before, after, train, [], noise), key=lambda g: g.relative)
 
