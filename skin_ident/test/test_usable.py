@@ -169,6 +169,14 @@ def test_steps_declared_in_newtons_say_nothing_of_volts():
     assert [s.evidence["kind"] for s in find_unit_faults(newtons)] == ["unit factor"]
 
 
+@pytest.mark.parametrize("odd", [(1,), (1, 3)])
+def test_sessions_in_kilograms_are_one_fault_though_their_factor_is_near_ten(odd):
+    sessions = [presses(i, force=presses(i).force * (9.80665 if i in odd else 1.0)) for i in range(5)]
+    (symptom,) = find_unit_faults(sessions)
+    assert symptom.parameters["factor"]["value"] == pytest.approx(9.80665)
+    assert all((r.name in symptom.evidence["why"]) == (i in odd) for i, r in enumerate(sessions))
+
+
 @pytest.mark.parametrize(("noise", "buried"), [(0.02, True), (0.05, False)])
 def test_steps_that_nobody_declared_are_found_where_they_bury_the_noise(noise, buried):
     smooth = presses().force

@@ -1,6 +1,5 @@
 """The exact steps of lags, for an input that is linear between samples."""
 
-import ctypes
 import itertools
 import math
 from collections.abc import Callable
@@ -9,11 +8,10 @@ from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.ctypeslib import ndpointer
 from scipy.linalg import expm
 from scipy.signal import lfilter
 
-from skin_models.native import library
+from skin_models.operators.by_rows import FLOATS, by_rows, compiled
 
 NONE = 1e-6  # of a sample: a shorter delay is stepped as this one
 
@@ -61,30 +59,19 @@ def lagged_in_contact_step(state: tuple | None, x: Any, tau: float, dt: float) -
 
 def lagged_either_way(y: np.ndarray, up: float, down: float, dt: float) -> np.ndarray:
     """z (..., N) of y, at rest at y[..., 0], with one time constant while y is above z and another one elsewhere."""
-    rows = np.ascontiguousarray(y, float).reshape(-1, y.shape[-1])
-    rising, falling = lag_factors(up, dt), lag_factors(down, dt)
-    compiled = _compiled_either_way()
-    if compiled is None:
-        z = np.array([_either_way(row.tolist(), rising, falling) for row in rows])
-    else:
-        z = np.empty(rows.shape)
-        compiled(rows, z, *rows.shape, np.array(rising), np.array(falling))
-    return z.reshape(y.shape)
+    rising, falling = (np.array(lag_factors(tau, dt)) for tau in (up, down))
+    return by_rows(y, _compiled_either_way(), _either_way, rising, falling)
 
 
 @cache
 def _compiled_either_way() -> Callable | None:
     """`_either_way` of many rows, seventeen times as fast; None without a compiler."""
-    lag, floats = library("lag"), ndpointer(float, flags="C")
-    if lag is None:
-        return None
-    lag.lag_either_way.argtypes = (floats, floats, ctypes.c_int64, ctypes.c_int64, floats, floats)
-    lag.lag_either_way.restype = None
-    return lag.lag_either_way
+    return compiled("lag", "lag_either_way", FLOATS, FLOATS)
 
 
-def _either_way(y: list[float], rising: tuple[float, float], falling: tuple[float, float]) -> list[float]:
+def _either_way(record: np.ndarray, rising: np.ndarray, falling: np.ndarray) -> list[float]:
     """Sample by sample: the time constant depends on the last z, so a linear filter cannot do it."""
+    y, rising, falling = record.tolist(), rising.tolist(), falling.tolist()
     z, out = y[0], [y[0]]
     for last, now in itertools.pairwise(y):
         e, g = rising if now > z else falling

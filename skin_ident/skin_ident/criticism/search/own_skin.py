@@ -59,14 +59,7 @@ def take_own_skin(search: Search, explained: float, best: float, runs: list[Run]
     farther than skin does is left to the skin, if the skin explains nearly as much. So is a zero of depth anywhere. That it may be one of
     these is noted."""
     whole = {r.course.key: r.score for r in runs if r.course.shape == CONSTANT}
-
-    def worth_of(r: Run) -> float:
-        if not _may_be_skin(search, r):
-            return AHEAD * r.score
-        constant = whole.get(r.course.key, 0.0)  # further steps within sessions are looked for once the skin is another in each
-        return NEARLY * (constant if constant > MOSTLY * r.score else r.score)
-
-    worth = max(map(worth_of, runs), default=0.0)
+    worth = max((_worth(search, r, whole.get(r.course.key, 0.0)) for r in runs), default=0.0)
     if explained <= max(LEAST, reach(best), worth):
         return False
     others = [r for r in runs if r.course.carrier in (SLOPE, DEPTH) and r.score > MUCH * explained]
@@ -76,12 +69,21 @@ def take_own_skin(search: Search, explained: float, best: float, runs: list[Run]
     return True
 
 
+def _worth(search: Search, run: Run, whole: float) -> float:
+    """What skin parameters must explain to go before a run, of whose course a constant explains `whole`. Where that is most of it, further
+    steps within sessions are looked for once the skin is another in each."""
+    if not _may_be_skin(search, run):
+        return AHEAD * run.score
+    return NEARLY * (whole if whole > MOSTLY * run.score else run.score)
+
+
 def take_own_skin_at_last(search: Search, explained: float) -> bool:
     """The same where neither cause nor course is believed though some explain more, if no parameter strays farther than skin does. The
     right cause fails in held-out sessions as long as the model has the skin of others there."""
-    if explained <= 0.0 or np.abs(_of_train(search)[0]).max() > NATURAL:
+    least = search.least(search.present.count)
+    if explained <= reach(least) or np.abs(_of_train(search)[0]).max() > NATURAL:
         return False
-    return take_own_skin(search, explained, search.least(search.present.count), [])
+    return take_own_skin(search, explained, least, [])
 
 
 def too_few_for_a_pattern(sessions: list[Session]) -> bool:

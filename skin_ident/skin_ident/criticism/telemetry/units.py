@@ -88,13 +88,13 @@ def _by_slope(recordings: list, channel: str) -> list[Symptom]:
     if len(slopes) < 2 or not np.all(np.isfinite(slopes)) or np.any(np.abs(slopes) < 1e-9):
         return []
     ratios = slopes / np.median(slopes)
+    near = [next((f for f in FACTORS if abs(ratio / f - 1.0) < NEAR), None) for ratio in ratios]  # some are near each other
     found = []
-    for factor in FACTORS:
-        odd = np.flatnonzero(np.abs(ratios / factor - 1.0) < NEAR)
-        if odd.size:
-            names = [recordings[i].name for i in odd]
-            why = f"{channel} of {', '.join(names)} is {np.median(ratios[odd]):.4g} times what the other sessions say: a factor of units"
-            found.append(_unit(recordings, channel, factor, why, UNIT_FACTOR, names))
+    for factor in dict.fromkeys(f for f in near if f):
+        odd = [i for i, f in enumerate(near) if f == factor]
+        names = [recordings[i].name for i in odd]
+        why = f"{channel} of {listed(names)} is {np.median(ratios[odd]):.4g} times what the other sessions say: a factor of units"
+        found.append(_unit(recordings, channel, factor, why, UNIT_FACTOR, names))
     return found
 
 
