@@ -77,7 +77,7 @@ class IdentNode(Node):
         self.create_service(Trigger, "~/save", self._on_save)
         self.leaving = threading.Event()
         self.working = threading.Lock()
-        self.worker: threading.Thread | None = None
+        self.workers: list[threading.Thread] = []
         self.goals = 0  # that have no result yet
         self.action = ActionServer(self, Identify, "identify", self._identify, cancel_callback=lambda handle: CancelResponse.ACCEPT)
         self.get_logger().info("ready: estimating live, and waiting for goals on identify")
@@ -157,12 +157,13 @@ class IdentNode(Node):
             if self.executor is not None:
                 self.executor.wake()  # nothing else resumes the waiting coroutine while the topics are silent
 
-        self.worker = threading.Thread(target=work, name="identify", daemon=True)
-        self.worker.start()
+        worker = threading.Thread(target=work, name="identify", daemon=True)
+        self.workers = [w for w in self.workers if w.is_alive()] + [worker]
+        worker.start()
         return future
 
     def destroy_node(self) -> None:
-        """Cancel a running goal before the node goes, and let the client hear of it, though the loop of the node has ended."""
+        """Cancel all goals before the node goes, and let their clients hear of it, though the loop of the node has ended."""
         self.leaving.set()
         end = time.monotonic() + _FAREWELL
         told = end if self.goals else time.monotonic()
@@ -170,8 +171,8 @@ class IdentNode(Node):
             self.executor.spin_once(timeout_sec=0.02)
             if not self.goals:
                 told = min(told, time.monotonic() + _LAST_WORD)
-        if self.worker is not None:
-            self.worker.join(0.1)
+        for worker in self.workers:
+            worker.join(0.1)
         super().destroy_node()
 
 

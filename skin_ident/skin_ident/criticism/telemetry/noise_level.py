@@ -74,12 +74,13 @@ def _looked(
     signal."""
     lines = calm_lines(channel, c, recordings, residuals, [b[c] for b in believed])
     periods = [r.dt if line.own is None else line.own.period for line, r in zip(lines, recordings, strict=True)]
-    steps = np.array([(recordings[0].step(channel) or 0.0) / np.sqrt(12.0), error])
+    step = max(r.step(channel) or 0.0 for r in recordings)
     calm = [~line.jumps for line in lines]
     whole = np.concatenate([line.e[b] - line.e[b].mean() if b.any() else line.e[b] for line, b in zip(lines, calm, strict=True)])
     rows = [_quick(line.e, period) for line, period in zip(lines, periods, strict=True)]
     loads = [line.y - line.e for line in lines]
-    return _Look(channel, level, steps, rows, loads, calm, periods[0], _spread(whole) if whole.size else 0.0)
+    steps, period = np.array([step / np.sqrt(12.0), error]), float(np.median(periods))
+    return _Look(channel, level, steps, rows, loads, calm, period, _spread(whole) if whole.size else 0.0)
 
 
 def at_leisure(s: Session) -> np.ndarray:
@@ -95,8 +96,8 @@ def by_drive(
     """The rms error (C,), N, of each simulated channel from errors of the depth, or of the force that drives a test, over samples of masks
     (N,): the change that another realisation of the driving noise and steps makes, or more, if the `residuals` (C, N) of several channels
     share more in that proportion."""
-    rng, step = np.random.default_rng(SEED), _encoder_step(recordings[0]) / np.sqrt(12.0)
-    again = [read_again(s, _unread(s, step) * rng.standard_normal(len(s.motion))) for s in sessions]
+    rng, steps = np.random.default_rng(SEED), [_encoder_step(r) / np.sqrt(12.0) for r in recordings]
+    again = [read_again(s, _unread(s, step) * rng.standard_normal(len(s.motion))) for s, step in zip(sessions, steps, strict=True)]
     changes = [(simulated(model, b) - simulated(model, a))[:, calm] for a, b, calm in zip(sessions, again, believed, strict=True)]
     unread = np.array([_spread(row) if row.size else 0.0 for row in np.concatenate(changes, axis=1)])
     rows = [np.array([_quick(row, r.dt)[calm] for row in e]) for e, r, calm in zip(residuals, recordings, believed, strict=True)]
@@ -123,7 +124,8 @@ def _with_shared(unread: np.ndarray, e: np.ndarray) -> np.ndarray:
 class _Look:
     """The noise of a channel: its declared `level`, and what `steps` of the converter and of the encoder add, N. For every session: the
     residual less its running median (`rows`), the simulated `loads` (not readings, which contain the noise), and masks of the samples to
-    use (`believed`). `slow` is the spread of the residual including its slow part, N."""
+    use (`believed`). `period` is that of the samples, s, the median over sessions; `slow` is the spread of the residual including its slow
+    part, N."""
 
     channel: str
     level: float
