@@ -7,6 +7,7 @@ import pytest
 from world import make_sessions, write_case
 from world.hidden import Hide
 
+from skin_ident.criticism.baseline.fitting import Fit
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.noise.whitening import white
 from skin_ident.criticism.search.bounds import HOLLOW, excluded_and_untestable
@@ -40,7 +41,7 @@ def surveyed(alike: float, gap: float, mass: float, seed: int = 0) -> Survey:
 
 
 def below(last: Survey, rounds: tuple[Survey, ...] = ()) -> dict[str, float]:
-    entries, _ = excluded_and_untestable(last, list(rounds), set(), {}, {})
+    entries, _ = excluded_and_untestable(last, list(rounds), set(), {}, {}, {})
     return {e["cause"]: e["below"] / SIZES[e["cause"]] for e in entries if e["below"] is not None}
 
 
@@ -57,10 +58,19 @@ def test_what_has_taken_the_place_of_a_cause_does_not_exclude_it():
     assert below(after, (before,))["backlash"] > 0.9
 
 
+def test_a_cause_is_not_excluded_below_what_its_fit_came_to():
+    """As of a delay that damping makes up for: a linear view leaves nothing of it, and a fit beside everything else any amount."""
+    fitted = SKIN.extended(Backlash("rig", gap=2.0 * SIZES["backlash"]))
+    grown = {GAP.key: Fit(fitted, (), {fitted.listed_as(0, "gap"): 0.1 * SIZES["backlash"]}, 0.0, ROWS)}
+    entries, _ = excluded_and_untestable(surveyed(0.0, 0.0, 0.0), [], set(), {}, {}, grown)
+    said = {e["cause"]: e["below"] / SIZES[e["cause"]] for e in entries if e["below"] is not None}
+    assert said["backlash"] == pytest.approx(2.196) and said["inertia"] < 0.1
+
+
 def test_more_than_there_can_be_of_a_cause_excludes_nothing():
     last = surveyed(0.0, 6.0, 0.0)  # a gap of 6 mm is more than any drive has
     assert "backlash" not in below(last) and "inertia" in below(last)
-    _, untestable = excluded_and_untestable(last, [], set(), {}, {})
+    _, untestable = excluded_and_untestable(last, [], set(), {}, {}, {})
     assert any(u["cause"] == "backlash" and u.get("where") == "rig" and u["because"] == HOLLOW for u in untestable)
 
 
@@ -70,7 +80,7 @@ def test_every_clock_is_a_clock_to_the_reader_and_none_is_in_doubt_that_is_named
     }
     record = Recording("a", np.arange(500) / 100.0, None, np.zeros(500), np.zeros((0, 500)))
     c = SimpleNamespace(not_named=doubts)
-    _, said = excluded_and_untestable(surveyed(0.0, 0.0, 0.0), [], set(), {}, _not_findings(c, [record], set()))
+    _, said = excluded_and_untestable(surveyed(0.0, 0.0, 0.0), [], set(), {}, _not_findings(c, [record], set()), {})
     clocks = [(u["where"], u["channel_clock"]) for u in said if u["cause"] == "time_shift"]
     assert clocks == [("clock", "depth"), ("clock", "taxels")]
     assert "time_shift" not in _not_findings(c, [record], {("time_shift", "clock")})

@@ -75,8 +75,8 @@ class Whitener:
 
     def words(self, sessions: list[Channels]) -> float:
         """Description length, nats, of the innovations of these sessions: their number times log |R|, plus the sum of log loudness, plus
-        half a log of the number of samples for each channel whose noise grows. Samples that the filter drops at its start count, too: models
-        of different orders describe the same samples."""
+        half a log of the number of samples for each channel whose noise grows. Samples that the filter drops at its start count, too:
+        models of different orders describe the same samples."""
         good = [s.weight.min(axis=0) > 0.0 for s in sessions]
         louder = sum(float(np.sum(np.log(self.growth.loudness(s)[:, g]))) for s, g in zip(sessions, good, strict=True))
         count = sum(map(np.count_nonzero, good))

@@ -5,7 +5,9 @@ a cause where a typical amount of it would stand out by `CLEAR` standard errors.
 
 - the direction alone;
 - the direction beside any of those that explain most of the residual, since two effects may hide each other;
-- a round of the search in which the cause came near the one named there, which may have taken its place.
+- a round of the search in which the cause came near the one named there, which may have taken its place;
+- its fit beside everything else, where that explains something: a delay that the damping makes up for has little of its own in a linear
+  view, and any amount in a fit.
 
 A cause may be both excluded and untestable: a gain that changes part-way is excluded, while one that was wrong throughout passes for
 another stiffness. What the record itself shows, such as the steps of a converter, is not excluded below its own size.
@@ -16,11 +18,13 @@ from typing import Any
 
 import numpy as np
 
+from skin_ident.criticism.baseline.fitting import Fit
 from skin_ident.criticism.search.named import NotNamed
+from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.ranking import AT_FULL_RATE, UNEXCITED, Projected
 from skin_ident.criticism.search.survey import Survey, detectable
 from skin_ident.criticism.telemetry.noise_level import SEEN
-from skin_ident.criticism.vocabulary import CAUSES, Cause, where_and_clock
+from skin_ident.criticism.vocabulary import CAUSES, Cause, Key, where_and_clock
 from skin_models.model import Model
 from skin_models.parameter import SHAPE, Parameter, parameters_of
 
@@ -28,16 +32,23 @@ CLEAR = 3.0  # standard errors
 NEAR = 0.35  # share of a round's best score above which a cause came near
 ALIKE = 0.98  # correlation above which two directions are one
 NOT_SEEN = {"noise": SEEN}  # what would have been seen, for causes that telemetry alone decides
-HOLLOW = "beside what else may be there, all that is possible of it would not stand out here"
+HOLLOW = "even the largest possible amount of it could not be distinguished here from other causes and noise"
 
 
 def excluded_and_untestable(
-    last: Survey, rounds: list[Survey], named: set[str], known: dict[str, str], seen: Mapping[str, Mapping[str, NotNamed]]
+    last: Survey,
+    rounds: list[Survey],
+    named: set[str],
+    known: dict[str, str],
+    seen: Mapping[str, Mapping[str, NotNamed]],
+    grown: Mapping[Key, Fit],
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """Entries of findings.json, excluded and untestable, for all causes not in `named`, from the last survey and those of all `rounds`.
     `known` gives the reason for causes that telemetry alone decides; an empty text means looked for and not found. What is `seen` in the
-    record bounds what may be excluded. For a cause that is named, what is seen of it at another place is listed where it is in doubt."""
-    p, bounds = last.projected, _bounds(last, rounds)
+    record bounds what may be excluded, and so do the fits of causes that were tried last, `grown`. For a cause that is named, what is
+    seen of it at another place is listed where it is in doubt."""
+    p = last.projected
+    bounds = np.maximum(_bounds(last, rounds), [_grown(d, grown) for d in p.which])
     excluded, untestable = [], []
     for cause in CAUSES:
         there = seen.get(cause.name, {})
@@ -84,6 +95,19 @@ def _bounds(last: Survey, rounds: list[Survey]) -> np.ndarray:
         contends = np.array([d.key in near for d in p.which])
         bounds = np.where(contends, np.maximum(bounds, _amounts(s.projected)), bounds)
     return bounds
+
+
+def _grown(d: Direction, grown: Mapping[Key, Fit]) -> float:
+    """The largest amount of a direction, plus 1.96 standard errors, in the fit of its cause; 0 where it has none."""
+    if d.key not in grown:
+        return 0.0
+    found = grown[d.key]
+    mine = [
+        (getattr(e, d.parameter), found.std.get(found.model.listed_as(i, d.parameter), 0.0))
+        for i, e in enumerate(found.model.effects)
+        if (e.cause, e.where) == d.key and type(d.effect) in (type(e), e.refines)
+    ]
+    return max((abs(value) + 1.96 * std for value, std in mine), default=0.0) / d.size
 
 
 def _amounts(p: Projected) -> np.ndarray:
@@ -161,7 +185,7 @@ def _imitated(p: Projected, cause: Cause, excluded: list[dict[str, Any]]) -> lis
 def _because(p: Projected, cause: str) -> str:
     mine = [i for i, d in enumerate(p.which) if d.cause == cause]
     if not mine:
-        return "no channel of these recordings carries it"
+        return "no channel of these recordings can show it"
     if all(p.left[i] <= UNEXCITED for i in mine):
         return "in these recordings it looks exactly like a change of the model's own parameters, or does nothing at all"
-    return "even a typical amount of it would not stand out of the noise here: it was hardly excited"
+    return "even a typical amount of it would not stand out from the noise here: the motion hardly excited it"

@@ -68,7 +68,7 @@ def criticise(
         check_numbers(search, given)
     named = with_load_cell(search.named, search.present.model, search.runs, [*search.train, *search.held])
     told = (tuple(named), search.survey(), tuple(search.rounds))
-    c = Criticism(search.baseline, search.present, *told, tuple(search.train), tuple(search.held), search.not_named)
+    c = Criticism(search.baseline, search.present, *told, tuple(search.train), tuple(search.held), search.not_named, search.grown)
     c = replace(c, baseline=fit(given, train, noise, 0) if given else _baseline_beside(c, start, search.hanging, train, noise))
     return _without_names(c, train, held) if _predicts_worse(c, held) else c
 
@@ -144,7 +144,7 @@ def _without_names(c: Criticism, train: list[Session], held: list[Session]) -> C
     )
     doubts = {n.key: unproven() for n in c.named}
     last = c.rounds[0][0] if c.rounds else c.last
-    return Criticism(c.baseline, c.baseline, (), last, c.rounds, *bare, c.not_named | doubts)
+    return Criticism(c.baseline, c.baseline, (), last, c.rounds, *bare, c.not_named | doubts, c.grown)
 
 
 def _resumed(search: Search) -> bool:

@@ -75,6 +75,7 @@ class Criticism:
     train: tuple[Session, ...] = ()  # as compared: without what cannot be compared, and with the courses of their own
     held: tuple[Session, ...] = ()
     not_named: dict[Key, NotNamed] = field(default_factory=dict)  # by cause and place
+    grown: dict[Key, Fit] = field(default_factory=dict)  # what the causes tried last come to, where they explain something
 
     def skin_before(self, own: Session) -> Mapping[str, float]:
         """The skin factors with which the baseline is compared in a session: those of `own`, unless another skin is a finding."""

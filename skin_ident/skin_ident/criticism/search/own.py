@@ -19,7 +19,7 @@ from skin_ident.criticism.search.hardware import tare_does
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
 from skin_ident.criticism.search.state import Search
-from skin_ident.criticism.search.tared import take_tare_of_held, take_zeros_of_held
+from skin_ident.criticism.search.tared import take_tare_of_held, take_zeros_of_held, untared
 from skin_ident.criticism.search.trial import Trial
 from skin_models.model import Model
 
@@ -187,9 +187,10 @@ def take_course(search: Search, run: Run, finding: Named) -> None:
     if cost_of(model, moved, noise) < cost_of(model, train, noise):
         run, train = again, moved
     search.present = fit(model, train, search.noise)
-    free = left_open(search.present.model, train, search.held, noise)
-    other = fitted(run.course, search.present.model, search.held, noise, free) if search.held else None
-    search.train, search.held = train, added(search.held, other.values) if other else search.held
+    held = untared(search)
+    free = left_open(search.present.model, train, held, noise)
+    other = fitted(run.course, search.present.model, held, noise, free) if held else None
+    search.train, search.held = train, added(held, other.values) if other else held
     if run.of_the_tare and (other is None or other.of_the_tare):
         search.tared[run.course.key] = tare_does(run.largest, run.tare)
         return

@@ -20,7 +20,7 @@ from skin_ident.criticism.search.rivals import Rival, reach
 from skin_ident.criticism.search.several import single_before_several
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import Survey
-from skin_ident.criticism.search.tared import beside_zeros, take_tare, take_zeros
+from skin_ident.criticism.search.tared import beside_zeros, settle_zeros, take_tare, take_zeros
 from skin_ident.criticism.search.together import two_at_once
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.search.unstuck import unstuck
@@ -60,6 +60,8 @@ def _round(search: Search) -> bool:
     search.begin_round()
     settle_skin(search)
     last = search.look()
+    if settle_zeros(search):
+        return True
     trials, runs = single_before_several(search, search.trials(last)), search.own_courses()
     mass = with_mass(search.present, search.train, search.noise) if search.weighable else None
     of_trials = max((t.score for t in trials), default=0.0)

@@ -4,6 +4,8 @@ from collections.abc import Callable, Iterable, Iterator
 from copy import copy
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.courses.course import worthwhile
@@ -68,6 +70,7 @@ class Search:
     stage: dict[Key, NotNamed] = field(default_factory=dict)  # courses that explain something, but no more than a good stage does
     hardware: dict[Key, NotNamed] = field(default_factory=dict)  # it would have been named, but good hardware does as much
     tared: dict[Key, NotNamed] = field(default_factory=dict)  # zeros, or skin parameters, of sessions that were taken into the baseline
+    grown: dict[Key, Fit] = field(default_factory=dict)  # what the causes tried in the last round come to, where they explain something
     of_stage: float = 0.0  # the highest score of such courses in the last round
     # The same from earlier rounds since the last cause was named: skin, zeros or a mass taken then may hide it now.
     set_aside: dict[Key, NotNamed] = field(default_factory=dict)
@@ -82,7 +85,8 @@ class Search:
     doubting: bool = False  # held-out sessions alone decide, because a cause was taken for granted
     alone: bool = False  # something that is wrong in held-out sessions alone was found
     own_skin: bool = False  # the skin may differ from session to session
-    zeroed: bool = False  # zeros as good hardware leaves them were taken, which is done once
+    zeroed: int | None = None  # the number of findings beside which zeros as good hardware leaves them were last asked for
+    zeros_of_held: dict[str, np.ndarray] = field(default_factory=dict)  # what these add to held-out sessions, (C, N) N by session
     refused: float = 0.0  # what the best cause would explain that was not believed in the last round
     wandering: float = 0.0  # the highest score in training of a course that then predicted nothing
     hanging: tuple[Effect, ...] = ()  # of a declared mass, the inertia that is felt without its weight
@@ -139,7 +143,9 @@ class Search:
             return (t for t in map(self._possible, causes) if t)
 
         ranked = [r for r in last.ranked if r.key not in self.dropped]
-        return shortlisted(ranked, tried, {n.key for n in self.named}, self.suspected)
+        trials = shortlisted(ranked, tried, {n.key for n in self.named}, self.suspected)
+        self.grown = {t.key: t.fit for t in trials if t.score > 0.0}
+        return trials
 
     def _possible(self, r: Ranked) -> Trial | None:
         """One cause as a trial, or its first instance alone where physics rules out all instances together; else None."""

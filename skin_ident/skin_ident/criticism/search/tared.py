@@ -46,16 +46,26 @@ def beside_zeros(search: Search, finding: Named) -> Named:
 
 def take_zeros(search: Search, least: float = 0.0) -> bool:
     """Take zeros as good hardware leaves them, where they explain more than `least`; return whether they were taken. Where no cause is
-    believed they would otherwise remain unexplained. They are taken once."""
-    if search.zeroed:
+    believed they would otherwise remain unexplained. They are asked for once beside the same findings."""
+    if search.zeroed == len(search.named):
         return False
     found, fall = zeros(search.present.model, search.train, search.noise, search.encoder_step, free=True)
     free = sum(np.count_nonzero(z) for z in found.values())
     if fall < max(LEAST, least, free * np.log(max(search.present.count, 2))):
         return False
     _take(search, found, {})
-    search.zeroed = True
+    search.zeroed = len(search.named)
     return True
+
+
+def settle_zeros(search: Search) -> bool:
+    """Where such zeros were taken before something else was named, ask for them again beside it, and return whether they changed: what was
+    named may have been hiding in them. A gain that steps leaves zeros in its channel that are none."""
+    if search.zeroed in (None, len(search.named)):
+        return False
+    changed = take_zeros(search)
+    search.zeroed = len(search.named)
+    return changed
 
 
 def _take(search: Search, found: Zeros, shared: Zeros) -> None:
@@ -65,8 +75,17 @@ def _take(search: Search, found: Zeros, shared: Zeros) -> None:
     search.present = fit(model, search.train, search.noise)
     held, model = search.held, search.present.model
     others = shared or (zeros(model, held, search.noise, search.encoder_step, free=False)[0] if held else {})
-    search.held = added(held, added_by(others, model, held))
+    more = added_by(others, model, held) if others else {}
+    search.held = added(held, more) if more else held
+    search.zeros_of_held |= {name: zero + search.zeros_of_held.get(name, 0.0) for name, zero in more.items()}
     _said(search, found | others)
+
+
+def untared(search: Search) -> list[Session]:
+    """The held-out sessions without such zeros, which are not taken back twice. A course of theirs is fitted without them: they were taken
+    beside what that course has to explain."""
+    taken, search.zeros_of_held = search.zeros_of_held, {}
+    return added(search.held, {name: -zero for name, zero in taken.items()}) if taken else search.held
 
 
 def _shared(search: Search, finding: Named) -> Zeros:

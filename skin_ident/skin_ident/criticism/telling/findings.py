@@ -31,8 +31,8 @@ from skin_models.model import Model
 from skin_models.parameter import parameters_of
 
 SCHEMA = 1
-OTHER_SKIN = "the skin is another from session to session, and one set of numbers does not serve them all"
-SAME_SKIN = "see what changed between sessions (specimen, place, temperature, age); fit apart what is not one skin"
+OTHER_SKIN = "the skin differs from session to session, and one set of parameters does not fit all of them"
+SAME_SKIN = "see what changed between sessions (specimen, place, temperature, age); fit different skins separately"
 Experiments = Mapping[Key, tuple[str, Experiment]]  # by cause and place: file name of the battery, and the experiment with its reasons
 
 
@@ -98,11 +98,11 @@ def advice_on(named: Named) -> str:
         return SAME_SKIN
     usual, own = BY_NAME[named.cause].act, named.courses.values()
     if named.only:
-        return f"look for what changed between the sessions (another plug, filter or specimen, a re-mount, a loose screw); then {usual}"
+        return f"look for what changed between the sessions (another plug, filter or specimen, a new mounting, a loose screw); then {usual}"
     if any(course.under_way for course in own):
-        return f"look for what happened at the moments that are named (a knock, a plug, a re-mount, a tare in between); then {usual}"
+        return f"look for what happened at the moments that are named (a knock, a plug, a new mounting, a tare in between); then {usual}"
     if any(course.crept for course in own):
-        return f"see in the pictures whether it crept ({usual}) or jumped: then look for a knock, a loose plug or a tare in between"
+        return f"see in the pictures whether it crept ({usual}) or jumped: then look for a knock, a loose connector or a tare in between"
     return f"{usual}, before every session" if own else usual
 
 
@@ -113,7 +113,7 @@ def _of_each_session(named: Named) -> dict[str, Any]:
     said = "; ".join(f"{session}: {course}" for session, course in named.courses.items())
     goes = _goes(named.courses)
     of_many = goes if len(named.courses) >= FEWEST else {}
-    why = f"each session has its own ({of_many.get('pattern', said)}), which no parameter that they share could be"
+    why = f"each session has its own ({of_many.get('pattern', said)}), which no parameter shared by all sessions can describe"
     sizes = {session: list(course.sizes) for session, course in named.courses.items()}
     return {"why": why, "of_each_session": named.courses, "sessions": sizes, **goes}
 
@@ -214,7 +214,7 @@ def _steps_seen(recordings: list) -> dict[str, NotNamed]:
 
 def _silent(taxel: str, recordings: list) -> NotNamed:
     """The note on a taxel of which it is unknown whether it is dead."""
-    because = f"{taxel} does not follow the load in any session, and nothing says that it should: it is open, or lies apart"
+    because = f"{taxel} does not follow the load in any session, and nothing says that it should: it is open-circuit, or out of reach"
     places = "" if recordings[0].declared.taxel_positions_mm else "the place of every taxel in rig.yaml (taxel_positions_mm), or "
     return NotNamed(np.inf, because, f"{places}a press on {taxel}")
 
@@ -264,7 +264,7 @@ def as_findings(
     known = telemetry_words(recordings, given)
     each = by_session(c, [*train, *held])
     rounds, seen_there = [s for s, _ in c.rounds], _not_findings(c, recordings, named)
-    excluded, untestable = excluded_and_untestable(c.last, rounds, {cause for cause, _ in named}, known, seen_there)
+    excluded, untestable = excluded_and_untestable(c.last, rounds, {cause for cause, _ in named}, known, seen_there, c.grown)
     untestable = with_load_cell_untold(untestable, named) if driven else untestable
     return {
         "schema": SCHEMA,
@@ -298,7 +298,5 @@ def _warnings(recordings: list) -> list[str]:
     """What the reader must know before relying on the findings."""
     warnings = of_reading(recordings)
     if len(recordings) == 1:
-        warnings.append(
-            "only one session: blocks of it were held out instead of a session, which passes more than it should; record a second one"
-        )
+        warnings.append("only one session: blocks of it were held out, a weaker test that lets false causes pass; record a second one")
     return warnings
