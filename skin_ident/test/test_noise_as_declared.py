@@ -41,6 +41,12 @@ def test_one_channel_that_wanders_among_white_ones_is_odd(odd):
     assert told(noise) == [("load_cell" if odd == 0 else f"taxel_{odd - 1}", "correlation")]
 
 
+@pytest.mark.parametrize("odd", range(4))
+def test_the_low_pass_of_one_amplifier_is_not_odd(odd):
+    rng = np.random.default_rng(6)
+    assert told([wandering(rng, 0.8 if c == odd else 0.0) for c in range(4)]) == []
+
+
 def test_taxels_may_all_wander_beside_a_load_cell_that_does_not():
     rng = np.random.default_rng(3)
     assert told([wandering(rng, 0.97 if c else 0.0) for c in range(4)]) == []

@@ -33,13 +33,15 @@ from skin_models.model import Model
 SLOW_S = 2.0  # s, window of the running median
 OTHER_LEVEL = 1.5  # factor by which the level must exceed, or fall below, the expected one
 LOUDER = 1.35  # factor from which it is too loud where others are as declared
-COLOURED, WHITE = 0.5, 0.25  # correlation of neighbouring samples above which a channel is odd, if that of the others is below the second
+# Correlation of neighbouring samples above which a channel is odd, if that of the others is below the second. An amplifier's own low-pass
+# makes as much as 0.8.
+COLOURED, WHITE = 0.88, 0.25
 GROWN, STEADY = 1.6, 1.25  # growth with the load: a channel is odd above the first, if that of the others is below the second
 BURIED = 0.5  # rms of rounding over declared noise, from which the noise is buried: steps 1.7 times as wide as it
 SEEN = (
-    f"looked for and not seen: it shows where it is {OTHER_LEVEL:g} times as loud as declared or more, or so much quieter, and where, in "
-    f"one channel and not in another, it is {LOUDER:g} times as loud, neighbouring samples are alike (correlation above {COLOURED:g}), or "
-    f"a load makes it {GROWN:g} times as loud"
+    f"looked for and not seen: found where it is {OTHER_LEVEL:g} times as large as declared or more, or so much smaller; and where, in "
+    f"one channel and not in another, it is {LOUDER:g} times as large, neighbouring samples are alike (correlation above {COLOURED:g}), or "
+    f"a load makes it {GROWN:g} times as large"
 )
 FEWEST = 300  # samples that a verdict needs
 AROUND_S = 0.3  # s around a sample in which the plunger's greatest speed counts
