@@ -11,12 +11,12 @@ from skin_ident.report.tolerant import mapping, named_at, place_in, sequence, te
 from skin_ident.report.view import View
 from skin_ident.report.words import capital, effect_words, label, meaning, role, sentence
 
-SPREAD = "Standard errors are of noise alone: what the form of a model gets wrong, as of a real skin it always does, is not in them."
+SPREAD = "Standard errors contain noise only. They do not contain errors of the form of the model, which every model of a real skin has."
 MOST_ROWS = 15  # a longer table is folded
 ELSEWHERE = ("by_itself", "rmse", "stands_out")  # entries of a recording that `sessions` shows
 FORMS = {"step": "a step within a session"}  # words for forms whose names do not explain themselves
 GIVEN = {False: "that was given", True: "that was recorded as a twin"}  # key: whether the given simulation is a twin
-GIVEN_NUMBERS = {False: "were given", True: "are those of the recorded twin, as a model of it has them"}  # likewise
+GIVEN_NUMBERS = {False: "were given", True: "are those of a model fitted to the recorded twin"}  # likewise
 
 
 def parameters(v: View) -> Safe | None:
@@ -24,20 +24,20 @@ def parameters(v: View) -> Safe | None:
     if not v.before and not v.after:
         return None
     note = (
-        "When an effect is missing, the fit bends the other parameters to make up for it. Those that moved by more than three "
-        "standard errors (and 5 %) are where it was hiding: their old values were wrong."
+        "When an effect is missing from the model, the fit changes the other parameters to compensate. Those that changed by more than "
+        "three standard errors (and 5 %) are marked: the missing effect had biased their old values."
     )
     if v.given:
         note = (
-            f"The first numbers {GIVEN_NUMBERS[v.is_twin]}; nobody fitted them to these data, so they have no standard error. After are "
-            "those that these data ask for, or the same where they ask for no other. Those that differ by more than three standard errors "
-            "(and 5 %) are marked."
+            f"The numbers before {GIVEN_NUMBERS[v.is_twin]}; they were not fitted to these data, so they have no standard error. The "
+            "numbers after were fitted to these data, or are the same where these data require no change. Those that differ by more than "
+            "three standard errors (and 5 %) are marked."
         )
     elif [(a.name, a.value) for a in v.before] == [(a.name, a.value) for a in v.after]:
         note = "Nothing was added to the model, so its parameters stay as they were."
     elif not v.findings:
-        own = f", and after with each session's own {' and '.join(v.own_zeros)}, which is no fault" if v.own_zeros else ""
-        note = f"Nothing was added to the model. Before is as it was fitted first{own}."
+        own = f"; after: with each session's own {' and '.join(v.own_zeros)}, which is not a fault" if v.own_zeros else ""
+        note = f"Nothing was added to the model. Before: as it was fitted first{own}."
     note += f" {SPREAD}"
     held = [el("p", sentence(said), class_="note") for said in held_at(v)]
     return section("parameters", "Parameters before and after", el("p", note, class_="note"), parameter_table(v), held)
@@ -53,7 +53,7 @@ def excluded(v: View) -> Safe | None:
     if not v.excluded:
         return None
     rows = [[_name(e), size_ruled_out(e, v), sentence(meaning(text(e.get("cause"))))] for e in v.excluded]
-    note = "These were tested and not found. If one were there above the size given, these data would have shown it."
+    note = "These were tested and not found. If one of them were present and larger than the size given, these data would have shown it."
     body = table(["cause", "smaller than", "what it would mean"], rows, class_="plain")
     return section("excluded", "Ruled out", el("p", note, class_="note"), _folded(body, v.excluded))
 
@@ -70,7 +70,7 @@ def _also(e: dict, others: tuple[dict, ...]) -> list[dict]:
 def size_ruled_out(e: dict, v: View) -> str:
     """The upper bound of an excluded cause, in words, and whether part of the cause could not be tested."""
     limit = f"; limited by {text(e['limited_by'])}" if e.get("limited_by") else ""
-    return bound(e) + limit + ("; only this of it, see what could not be tested" if _also(e, v.untestable) else "")
+    return bound(e) + limit + ("; only in part, see what could not be tested" if _also(e, v.untestable) else "")
 
 
 def why_untestable(e: dict, v: View) -> str:
@@ -99,7 +99,7 @@ def bound(e: dict) -> str:
         return text(e.get("because")) or "not seen"
     cause, where, name = text(e.get("cause")), place_in(e), text(e.get("parameter"))
     at = {k: mapping(q) for k, q in mapping(e.get("at")).items()}
-    labels = effect_words(cause, where, (name, *at))
+    labels = effect_words(cause, where, (name, *at), (text(e.get("form")),))
     words = labels.get(name) or label(name)
     shape = ", ".join(f"{labels.get(k) or label(k)} {amount(q.get('value'), text(q.get('unit')))}" for k, q in at.items())
     form = f" ({FORMS.get(text(e['form']), spoken(text(e['form'])))})" if e.get("form") else ""
@@ -124,9 +124,9 @@ def untestable(v: View) -> Safe | None:
     if not v.untestable:
         return None
     rows = [[capital(names), why, sentence(needs)] for names, why, needs in untestable_rows(v)]
-    note = "Nothing can be said about these, for or against, for the reason given."
+    note = "These data neither confirm nor exclude these causes, for the reason given."
     if any(_also(e, v.excluded) for e in v.untestable):
-        note += " Where a cause was ruled out above as well, the rest of it is meant here."
+        note += " Where a cause is also listed as ruled out, this is about the part of it that was not ruled out."
     return section(
         "untestable", "Could not be tested", el("p", note, class_="note"), table(["cause", "because", "would need"], rows, (), "plain")
     )
@@ -188,12 +188,12 @@ def reading(v: View, folder: str) -> Safe:
         ("data not used for fitting", "a session kept aside: a model that merely memorised the other sessions would fail on it"),
         (
             "95 % interval",
-            "repeat the experiment, and the fall of the error lies in it 19 times out of 20; found by redrawing stretches, the error "
-            "before with it, so that of an interval that ends beyond that error only the beginning is said",
+            "if the experiment were repeated, the fall of the error would lie in it 19 times out of 20 (block bootstrap). An error "
+            "cannot fall by more than its value before; of an interval that reaches beyond that value, only the lower end is given",
         ),
         ("noise alone", "the error that would remain with a perfect model, because sensors are noisy"),
         ("ruled out", "tested and not found; would have been seen above the size given"),
-        ("could not be tested", "these data are silent, for the reason given: it was not brought out, not declared, or looks like another"),
+        ("could not be tested", "for the reason given: the motion does not excite it, it is not declared, or it looks like another cause"),
         ("where", "skin: the material; taxel: a sensor in it; load cell: the reference; rig: mount and stage; clock: timing of a channel"),
     )  # fmt: skip
     model = ", model.yaml (the extended model)" if v.has_model else ""

@@ -140,7 +140,8 @@ def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
 def _amounts(cause: str, where: str, entry: dict[str, Any]) -> tuple[Amount, ...]:
     """The parameters of a finding, or of one of its alternatives."""
     sizes = {str(name).rpartition(".")[2]: size for name, size in mapping(entry.get("parameters")).items()}
-    words, known = effect_words(cause, where, tuple(sizes)), declared(cause, where, tuple(sizes))
+    of = cause, where, tuple(sizes), tuple(map(text, sequence(mapping(entry.get("evidence")).get("forms"))))
+    words, known = effect_words(*of), declared(*of)
     none = {name: p.neutral for name, p in known.items()}
     return tuple(_amount(name, size, words.get(name) or label(name), none.get(name, 0.0)) for name, size in sizes.items())
 

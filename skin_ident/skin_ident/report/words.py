@@ -7,6 +7,7 @@ from functools import cache
 from skin_ident.criticism.vocabulary import BY_NAME, place, spoken, word_of
 from skin_models.catalogue import effects
 from skin_models.dispersion import Dispersion
+from skin_models.effect import Effect
 from skin_models.parameter import Parameter, parameters_of
 
 
@@ -73,15 +74,15 @@ _OF_SCANS = {
     "width_at_surface": "width of the spread at the surface",
     "width_ratio": "ratio of the widths of the two directions",
     "growth": "growth of the width with depth",
-    "depth_power": "power of the depth that the width follows (0: none)",
-    "shape_power": "power of the distance that the spread falls with (2: a Gaussian)",
-    "power": "power of the distance that the spread falls with, less the 2 of a Gaussian",
+    "depth_power": "exponent of the depth in the width of the spread (0: constant width)",
+    "shape_power": "exponent of the distance in the fall of the spread (2: a Gaussian)",
+    "power": "exponent of the distance in the fall of the spread, minus the 2 of a Gaussian",
     "tail_weight": "weight of the spread's tail (0: a Gaussian)",
     "disc_radius": "radius of the disc that presses",
     "centre": "centre of the spread",
-    "exponent": "power of the depth that the force follows (1: linear)",
-    "square": "force that grows with depth squared, over the linear one, at the deepest",
-    "cube": "force that grows with depth cubed, over the linear one, at the deepest",
+    "exponent": "exponent of the depth in the force (1: linear)",
+    "square": "force proportional to depth squared, divided by the linear force, at the greatest depth",
+    "cube": "force proportional to depth cubed, divided by the linear force, at the greatest depth",
     "shift": "shift of the zero of depth",
     "drift": "drift over the scan",
     "drift_over_the_scan": "drift over the scan",
@@ -113,21 +114,28 @@ def _without_symbols(doc: str) -> str:
 
 
 @cache
-def effect_words(cause: str, where: str, names: tuple[str, ...]) -> dict[str, str]:
+def effect_words(cause: str, where: str, names: tuple[str, ...], forms: tuple[str, ...] = ()) -> dict[str, str]:
     """Words for the parameters `names` of an effect, from its own declaration; an arm's number (`tau_2`) is kept. Unknown names are absent.
 
-    Where a cause has several forms, the form that declares most of the names is used, and other forms for the rest.
+    Where a cause has several forms, those in `forms` (their own names, or the names of their classes) come first, then the form that
+    declares most of the names, and other forms for the rest: one name may mean different things in two forms.
     """
-    return {name: _of(p, name) for name, p in declared(cause, where, names).items()}
+    return {name: _of(p, name) for name, p in declared(cause, where, names, forms).items()}
 
 
 @cache
-def declared(cause: str, where: str, names: tuple[str, ...]) -> dict[str, Parameter]:
-    """The declared parameters `names` of an effect; one of an arm (`tau_2`) is declared under its plain name. Unknown names are absent."""
+def declared(cause: str, where: str, names: tuple[str, ...], forms: tuple[str, ...] = ()) -> dict[str, Parameter]:
+    """The declared parameters `names` of an effect, those of its `forms` first; one of an arm (`tau_2`) is declared under its plain name.
+    Unknown names are absent."""
     word = "taxel" if where.startswith("taxel") else word_of(where)
-    forms = [{p.name: p for p in parameters_of(c)} for c in effects() if c.cause == cause and word in map(word_of, c.places)]
-    said = [{name: of[own] for name in names for own in (_stem(name), name) if own in of and of[own].doc} for of in forms]
-    return {name: p for of in sorted(said, key=len) for name, p in of.items()}
+    classes = [c for c in effects() if c.cause == cause and word in map(word_of, c.places)]
+    said = [(c.form in forms or c.__name__ in forms, _declared_by(c, names)) for c in classes]
+    return {name: p for _, of in sorted(said, key=lambda s: (s[0], len(s[1]))) for name, p in of.items()}
+
+
+def _declared_by(form: type[Effect], names: tuple[str, ...]) -> dict[str, Parameter]:
+    of = {p.name: p for p in parameters_of(form)}
+    return {name: of[own] for name in names for own in (_stem(name), name) if own in of and of[own].doc}
 
 
 def _stem(name: str) -> str:
@@ -143,7 +151,7 @@ def _of(p: Parameter, name: str) -> str:
 EVIDENCE = {
     "likelihood_gain": "Explains, in units of the noise",
     "held_out_fall_of_mean_square": "Fall of the squared error on unused data",
-    "held_out_fall_over_distances": "The same at unused distances",
+    "held_out_fall_over_distances": "Fall of the squared error at unused distances",
     "held_out": "Tested on",
     "forms": "Form",
     "explained_share": "Share of the mismatch explained",
@@ -174,12 +182,12 @@ def rebuild(cause: str, where: str) -> Rebuild:
         return Rebuild("cannot say", "the record itself is wrong, so it proves nothing about the sensor")
     if on_taxel and cause in _DISTORTING:
         return Rebuild(
-            "perhaps", "the sensor itself bends its signal; rebuild only if the corrected model is not good enough for your task"
+            "perhaps", "the sensor itself distorts its signal; rebuild only if the corrected model is not good enough for your task"
         )
     if on_taxel:
         return Rebuild("no", "the sensor works; its calibration, zero or wiring needs attention")
     said = {
-        "skin": "the skin behaves like this and the model can learn it; nothing in these data speaks against a sensor",
+        "skin": "the skin behaves like this, and a model can include it; nothing in these data indicates a fault of a sensor",
         "rig": "the test rig is at fault, not the sensor",
         "load_cell": "the reference load cell is at fault, not the skin's sensors",
     }

@@ -21,7 +21,7 @@ from skin_ident.report.reading import view
 from skin_ident.report.shapes import binned, smooth, spectrum, thinned
 from skin_ident.report.story import explaining, tell
 from skin_ident.report.view import HELD_OUT, STRETCHES
-from skin_ident.report.words import effect_words, label, rebuild
+from skin_ident.report.words import declared, effect_words, label, rebuild
 from skin_ident.spread_scan import SpreadScan
 from skin_ident.thesis_spread import thesis_scan
 from skin_models.catalogue import effects
@@ -152,6 +152,15 @@ def test_every_parameter_of_every_effect_has_words():
         words = effect_words(cls.cause, next(iter(cls.places)), names)
         assert set(words) == set(names)
     assert effect_words("stress_relaxation", "skin", ("tau", "tau_2"))["tau_2"] == "relaxation time, number 2"
+
+
+def test_a_parameter_is_said_in_the_words_of_its_own_form():
+    """Of drift there are three forms whose `per_decade` or `rate` is a force, or a share of the reading."""
+    for cls in effects():
+        for p in parameters_of(cls):
+            if p.doc:
+                said = declared(cls.cause, next(iter(cls.places)), (p.name,), (cls.__name__,))
+                assert said[p.name].doc == p.doc, (cls.__name__, p.name)
 
 
 def test_places_are_words():
