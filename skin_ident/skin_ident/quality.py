@@ -83,7 +83,7 @@ def _rows(r: Recording) -> dict[str, np.ndarray]:
 
 
 def _counts(spikes: dict[str, tuple[float, ...]], frozen: dict[str, int], dt: float) -> list[str]:
-    return [f"{name}: {counted(len(at), 'spike')} bridged (at {_when(at, dt)} s)" for name, at in spikes.items() if at] + [
+    return [f"{name}: {counted(len(at), 'spike')} interpolated (at {_when(at, dt)} s)" for name, at in spikes.items() if at] + [
         f"{name}: {counted(n, 'sample')} frozen or saturated, left out" for name, n in frozen.items() if n
     ]
 
@@ -170,7 +170,7 @@ def _sizes(r: Recording) -> list[str]:
     if r.depth is None:
         return notes
     if np.ptp(r.depth) < SHALLOW:
-        notes.append(f"the depth varies by {1e6 * np.ptp(r.depth):.3g} um only: too little to identify a skin, or its unit is wrong")
+        notes.append(f"the depth varies by {1e6 * np.ptp(r.depth):.3g} µm only: too little to identify a skin, or its unit is wrong")
     thickness = r.declared.skin_thickness_mm
     if thickness and r.depth.max() > 1e-3 * thickness:
         notes.append(f"the depth reaches {1e3 * r.depth.max():.3g} mm, but the skin is declared to be {thickness:g} mm thick")

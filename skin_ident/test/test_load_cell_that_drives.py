@@ -51,7 +51,7 @@ def test_a_fault_of_the_load_cell_is_among_the_names(tmp_path, cause, form, seed
     assert OF_LOAD_CELL - {"outliers", "quantization"} <= {c for c, w in names if w == "load_cell"} | {*untestable_of_load_cell(findings)}
     assert any("the load cell itself may be what is wrong" in why for why in sure(view(findings))[1])
     rivals = [f for f in findings["findings"] if any(a["where"] == "load_cell" for a in f["alternatives"])]
-    assert all("an encoder, or a known load on the load cell" in f["separating_experiment"] for f in rivals)
+    assert all("the depth (encoder), or a known load on the load cell" in f["separating_experiment"] for f in rivals)
 
 
 @pytest.mark.parametrize("taxels", [1, 3])

@@ -61,7 +61,7 @@ def test_a_scan_beside_a_session_is_refused(tmp_path, capsys):
     write(making.make(None, seed=1)[0][0], tmp_path / "scan.csv")
     (tmp_path / "session.tsv").write_text("t_s\tx_mm\tforce_n\n" + "".join(f"{0.01 * i}\t{0.01 * i}\t{0.1 * i}\n" for i in range(200)))
     assert main([str(tmp_path), "--out", str(tmp_path / "out")]) == 2
-    assert "diagnosed apart" in capsys.readouterr().err
+    assert "diagnosed separately" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("kept", [[], ["again.csv"]])

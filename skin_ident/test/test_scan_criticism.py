@@ -173,7 +173,7 @@ def test_scans_and_sessions_are_diagnosed_apart():
     class Session:
         name = "session.tsv"
 
-    with pytest.raises(DiagnosisError, match="apart"):
+    with pytest.raises(DiagnosisError, match="separately"):
         diagnose([scan_of(5e-3, 9e3), Session()])
 
 

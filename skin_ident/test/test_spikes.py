@@ -175,7 +175,7 @@ def test_the_terminal_says_when_and_keeps_them_where_it_is_asked(tmp_path, capsy
         force[at] += 60.0
     path, out = write_table(tmp_path / "a.csv", replace(r, force=force)), tmp_path / "out"
     assert main([str(path), "--out", str(out)]) == 0
-    assert "force: 3 spikes bridged (at 10.00, 20.00 and 30.00 s)" in " ".join(capsys.readouterr().out.split())
+    assert "force: 3 spikes interpolated (at 10.00, 20.00 and 30.00 s)" in " ".join(capsys.readouterr().out.split())
     (told,) = json.loads((out / "fit.json").read_text())["notes"]["telemetry"].values()
     assert told["spikes"] == {"force": 3} and told["spikes_at_s"]["force"] == pytest.approx([10.0, 20.0, 30.0])
     assert main([str(path), "--keep-spikes"]) == 0 and "bridged" not in capsys.readouterr().out
@@ -187,9 +187,9 @@ def test_of_many_spikes_the_first_are_named():
     r = battery(0)
     force = r.force.copy()
     force[1000:5000:800] += 60.0
-    assert "force: 5 spikes bridged (at 10.00, 18.00, 26.00, … s)" in inspected(replace(r, force=force))[2].warnings
+    assert "force: 5 spikes interpolated (at 10.00, 18.00, 26.00, … s)" in inspected(replace(r, force=force))[2].warnings
     force[1800:] = r.force[1800:]
-    assert "force: 1 spike bridged (at 10.00 s)" in inspected(replace(r, force=force))[2].warnings
+    assert "force: 1 spike interpolated (at 10.00 s)" in inspected(replace(r, force=force))[2].warnings
 
 
 @pytest.mark.parametrize("seed", range(4))

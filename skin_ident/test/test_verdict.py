@@ -36,7 +36,7 @@ def late(r, samples):
 def test_a_taxel_that_is_another_one_in_each_session_is_not_nothing(spoil, by):
     findings = diagnose([spoil(session(i), q) for i, q in enumerate(by)]).findings
     assert findings["verdict"] == ("partly_explained" if findings["findings"] else "unexplained")
-    assert any(w.startswith("taxel_1: what is left") for w in findings["warnings"])
+    assert any(w.startswith("taxel_1: the remaining error") for w in findings["warnings"])
     assert findings["gain_by_channel"]["taxel_1"]["held_out_rmse_after"] > 1.5 * findings["gain_by_channel"]["taxel_1"]["noise_floor"]
 
 

@@ -63,7 +63,7 @@ def test_states_that_change_no_zero_are_of_no_account(tmp_path):
 def test_a_driver_that_does_not_count_tells_by_its_flags(tmp_path):
     states = [(-1.0, False, True, 0, 0), (AT - 1.0, True, True, 0, 0), (AT, True, False, 0, 0)]
     read = load(write(tmp_path / "bag", moved(x=20e-6, force=0.5), states, text=TEXT))[0]
-    assert "the depth was zeroed anew at 29.00 s and the tare of the loads was taken back at 30.00 s" in read.warnings[0]
+    assert "the depth was zeroed anew at 29.00 s and the tare of the loads was reset at 30.00 s" in read.warnings[0]
     assert len(read) == 2900
 
 

@@ -103,9 +103,9 @@ def _wanted(chosen: argparse.Namespace) -> list[Case]:
 def _parser() -> argparse.ArgumentParser:
     parser = common.Parser(prog="challenge", description=__doc__)
     parser.add_argument(
-        "--causes", nargs="+", metavar="CAUSE", help=f"what to hide, spaces or commas between; {NULL} hides nothing; left out: everything"
+        "--causes", nargs="+", metavar="CAUSE", help=f"what to hide, spaces or commas between; {NULL} hides nothing; default: everything"
     )
-    parser.add_argument("--sizes", nargs="+", type=float, default=[0.5, 1.0], help="RMS of the effect over the noise's (0.5 1)")
+    parser.add_argument("--sizes", nargs="+", type=float, default=[0.5, 1.0], help="RMS of the effect divided by that of the noise (0.5 1)")
     parser.add_argument("--seeds", type=int, default=5, help="specimens, noises and forms per cause and size (5)")
     parser.add_argument("--protocol", default="full", metavar="BATTERY", help="battery of the sessions (full)")
     parser.add_argument("--taxels", type=int, default=1, help="taxels in the recordings (1)")

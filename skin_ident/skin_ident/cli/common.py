@@ -56,7 +56,7 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Raises `RecordingError`."""
-        raise RecordingError(f"{' '.join(message.split())} (--help says what there is)")
+        raise RecordingError(f"{' '.join(message.split())} (see --help)")
 
 
 def refusal(error: OSError) -> str:
@@ -91,7 +91,7 @@ def topics_of(pairs: Sequence[str]) -> dict[str, str]:
 def check_output(path: str) -> None:
     """Refuse an output folder that cannot be made or written, before any work; leaves nothing there. Raises `RecordingError`."""
     if not path:
-        raise RecordingError("--out needs a name: '' is none")
+        raise RecordingError("--out needs a name, and got an empty text")
     folder = Path(path).absolute()
     near = next(p for p in (folder, *folder.parents) if p.exists())
     if not near.is_dir():
@@ -116,7 +116,7 @@ def check_no_answer(path: str) -> None:
     """Refuse a folder with the findings of a diagnosis: a model written there would pass for the one they are about. Raises
     `RecordingError`."""
     if (Path(path) / FINDINGS).exists():
-        raise RecordingError(f"{path} holds the answer of a diagnosis ({FINDINGS}), and its model.yaml stays: name another folder")
+        raise RecordingError(f"{path} holds the answer of a diagnosis ({FINDINGS}), whose model.yaml must stay: name another folder")
 
 
 def output_folder(path: str) -> Path:

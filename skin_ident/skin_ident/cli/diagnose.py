@@ -60,7 +60,7 @@ def _main(arguments: Sequence[str] | None) -> int:
 def _check_apart(out: Path, files: Sequence[Path]) -> None:
     """Raises `RecordingError` where the output folder is a recording; a folder that contains recordings is allowed, as in the demo."""
     if out.resolve() in {file.resolve() for file in files}:
-        raise RecordingError(f"--out {out} is a recording: name another folder, for the answer is to lie apart from it")
+        raise RecordingError(f"--out {out} is a recording: name another folder for the answer")
 
 
 Files = list[tuple[Path, str]]  # each with a warning about it, or an empty text
@@ -72,7 +72,7 @@ def apart(recordings: list[str], hold_out: list[str]) -> tuple[Files, Files]:
     kept = {file.resolve() for file in held}
     files = [file for file in fitted if file.resolve() not in kept]
     if not files:
-        raise RecordingError("every recording is held out (--hold-out), and none is left to fit: give others to fit")
+        raise RecordingError("every recording is held out (--hold-out), and none is left to fit: give at least one more recording")
     both = {file.resolve() for file in fitted} & kept
     said = "it was given to fit, too: it is held out, and not fitted"
     return _once(files), [(file, said if file.resolve() in both else more) for file, more in _once(held)]
@@ -135,16 +135,16 @@ def _parser() -> argparse.ArgumentParser:
     parser = common.Parser(prog="diagnose", description=__doc__)
     common.add_recordings(parser)
     parser.add_argument(
-        "--model", metavar="YAML", help="the simulation to criticise; left out: the dispersion model fitted to the recordings"
+        "--model", metavar="YAML", help="the simulation to criticise; default: the dispersion model fitted to the recordings"
     )
     parser.add_argument(
         "--twin", nargs="+", default=[], metavar="RECORDING",
         help="instead of --model: what a simulator of your own recorded for the same motions, one for each session (held-out ones last)",
     )  # fmt: skip
     parser.add_argument(
-        "--hold-out", nargs="+", default=[], metavar="RECORDING", help="sessions never used to fit; left out: each session in turn"
+        "--hold-out", nargs="+", default=[], metavar="RECORDING", help="sessions never used to fit; default: each session in turn"
     )
-    parser.add_argument("--taxels", nargs="+", default=[], metavar="NAME", help="only these, by name or number; findings count them anew")
+    parser.add_argument("--taxels", nargs="+", default=[], metavar="NAME", help="only these, by name or number; renumbered in findings")
     parser.add_argument("--out", required=True, metavar="DIR", help="where findings.json, model.yaml and report.html go")
     return parser
 

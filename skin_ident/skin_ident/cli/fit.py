@@ -111,7 +111,7 @@ def _check_what(chosen: argparse.Namespace) -> None:
     if chosen.arms is not None and chosen.arms < 1:
         raise FitError("--arms must be 1 or more")
     if chosen.arms is not None and chosen.what != PRONY:
-        raise FitError(f"--arms are those of a relaxation spectrum: add --what {PRONY}")
+        raise FitError(f"--arms are those of a relaxation spectrum (Prony series): add --what {PRONY}")
 
 
 def _with_latencies(estimate: Estimate, recordings: list[Recording], options: Options) -> Estimate:
@@ -145,7 +145,7 @@ def _batch(chosen: argparse.Namespace, options: Options, topics: dict[str, str])
     if chosen.profile or chosen.bootstrap:
         raise FitError("--each writes one table of standard errors: ask for --profile or --bootstrap of single fits")
     if chosen.jobs is not None and chosen.jobs < 1:
-        raise FitError(f"{chosen.jobs} processes can do nothing: give --jobs a number from 1 on, or leave it out")
+        raise FitError(f"{chosen.jobs} processes cannot work: give --jobs a number of 1 or more, or leave it out")
     if chosen.format == "parquet":
         parquet_library()
     if chosen.scheduler:
@@ -189,22 +189,22 @@ def _parser() -> argparse.ArgumentParser:
     common.add_recordings(parser)
     what = "the model; or a relaxation spectrum; or straight lines: taxels in volts against the load cell, forces against the depth"
     parser.add_argument("--what", default=DISPERSION, choices=WHAT, help=what)
-    parser.add_argument("--arms", type=int, help="how many of --what prony; left out: as few as explain the data")
+    parser.add_argument("--arms", type=int, help="number of arms for --what prony; default: as few as explain the data")
     parser.add_argument("--keep-stamps", action="store_true", help="leave uneven samples where they are instead of resampling them")
     parser.add_argument("--mass", default="fixed", help=_MASS)
     parser.add_argument("--thickness-mm", "--thickness_mm", type=float, help="thickness of the skin, for a fixed mass that is not declared")
     parser.add_argument("--motion", default=MEASURED, choices=(MEASURED, SINUSOID), help="depth as measured, or the sinusoid fitted to it")
     parser.add_argument("--offsets", action="store_true", help="fit a zero of every channel in every session, too")
     parser.add_argument("--order", type=int, default=1, choices=(1, 2), help="from force to force: 1 without mass, 2 as thesis eq 32")
-    parser.add_argument("--loss", default=LINEAR, choices=LOSSES, help="how residuals count: all but linear hold spikes back")
-    parser.add_argument("--keep-spikes", action="store_true", help="bridge no samples that jump away and back in one channel alone")
-    parser.add_argument("--bootstrap", type=int, default=0, metavar="RUNS", help="also draw intervals from stretches of the residual")
+    parser.add_argument("--loss", default=LINEAR, choices=LOSSES, help="all but linear reduce the influence of spikes")
+    parser.add_argument("--keep-spikes", action="store_true", help="do not replace samples that jump away and back in one channel alone")
+    parser.add_argument("--bootstrap", type=int, default=0, metavar="RUNS", help="also intervals by block bootstrap of the residual")
     parser.add_argument("--profile", action="store_true", help="also intervals by profile likelihood")
     parser.add_argument("--each", action="store_true", help="fit every session by itself, in parallel, into one table; resumable")
-    parser.add_argument("--jobs", type=int, help="processes for --each; left out: one per core")
+    parser.add_argument("--jobs", type=int, help="processes for --each; default: one per core")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="Dask cluster to use for --each, as tcp://host:8786")
-    parser.add_argument("--format", default="csv", choices=("csv", "parquet"), help="of the table of --each")
-    parser.add_argument("--out", metavar="DIR", help="where model.yaml and fit.json go, or the table of --each; left out: nowhere")
+    parser.add_argument("--format", default="csv", choices=("csv", "parquet"), help="format of the table of --each")
+    parser.add_argument("--out", metavar="DIR", help="where model.yaml and fit.json go, or the table of --each; default: none")
     return parser
 
 

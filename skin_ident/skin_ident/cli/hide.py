@@ -39,7 +39,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     common.write_json(truth, {"hidden": [hidden.as_dict()], "recordings": [r.name for r in recordings], "tables": [t.name for t in tables]})
     if hidden.hardly_seen:
         common.say(f"warning: {hidden.hardly_seen}")
-    common.say(f"wrote {counted(len(tables), 'table')} into {folder}, and the truth, which is not to be looked at, into {truth}")
+    common.say(f"wrote {counted(len(tables), 'table')} into {folder}, and the truth (to be read after the search only) into {truth}")
     return 0
 
 
@@ -59,7 +59,7 @@ def _sessions(loaded: list) -> list[Recording]:
 def _truth_file(given: str | None, out: Path) -> Path:
     """Where the truth goes. Raises `HidingError` where that is beside the data, or something is there already."""
     if not out.resolve().name:
-        raise HidingError(f"everything lies in {out}, the truth would, too: name a folder with --out")
+        raise HidingError(f"the truth would lie beside the data in {out}: name another folder with --out")
     truth = Path(given) if given else out.resolve().with_name(out.resolve().name + "_truth.json")
     if truth.is_dir():
         raise HidingError(f"--truth {truth} is a folder: name a file")
@@ -73,17 +73,17 @@ def _truth_file(given: str | None, out: Path) -> Path:
 def _parser() -> argparse.ArgumentParser:
     parser = common.Parser(prog="hide", description=__doc__)
     common.add_recordings(parser)
-    parser.add_argument("--cause", default=ANYTHING, help="a word of the vocabulary; left out: drawn")
-    parser.add_argument("--where", default=ANYTHING, help="its place; left out: drawn")
+    parser.add_argument("--cause", default=ANYTHING, help="a cause of the vocabulary; default: drawn at random")
+    parser.add_argument("--where", default=ANYTHING, help="its place; default: drawn at random")
     parser.add_argument(
         "--size",
         type=float,
         default=1.0,
-        help="RMS of the effect over the noise's, in the channel that shows it best (1.0); of "
-        "what the fitted model cannot imitate, or, where it imitates nine tenths, as the gain of a lone taxel, of all: that is warned of",
+        help="RMS of the effect divided by that of the noise, in the channel that shows it best (1.0). Counted is what the "
+        "fitted model cannot imitate; where it imitates more than nine tenths (as the gain of a lone taxel) all is counted, with a warning",
     )
-    parser.add_argument("--seed", type=int, default=0, help="of everything that is drawn (0)")
-    parser.add_argument("--truth", metavar="FILE", help="where the truth goes; left out: <DIR>_truth.json, beside the folder")
+    parser.add_argument("--seed", type=int, default=0, help="seed of everything that is drawn (0)")
+    parser.add_argument("--truth", metavar="FILE", help="where the truth goes; default: <DIR>_truth.json, beside the folder")
     parser.add_argument("--out", required=True, metavar="DIR", help="where tables and rig.yaml go")
     return parser
 

@@ -109,10 +109,10 @@ def _account(course: Course, fixed: Course, name: str) -> str:
 def _parser() -> argparse.ArgumentParser:
     parser = common.Parser(prog="identify", description=__doc__)
     parser.add_argument("--until-named", action="store_true", help="go on until one name is left; without it one experiment is made")
-    parser.add_argument("--specimen", metavar="YAML", help="model of the specimen in the rig; left out: silicone with something hidden")
-    parser.add_argument("--cause", default=ANYTHING, help=f"what to hide in it, or {NOTHING}; left out: drawn")
-    parser.add_argument("--seed", type=int, default=0, help="of the specimen and all noise (0)")
-    parser.add_argument("--first", default="sinusoidal_identification", metavar="BATTERY", help="where to begin (the thesis's four sines)")
+    parser.add_argument("--specimen", metavar="YAML", help="model of the specimen in the rig; default: silicone with something hidden")
+    parser.add_argument("--cause", default=ANYTHING, help=f"what to hide in it, or {NOTHING}; default: drawn at random")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the specimen and all noise (0)")
+    parser.add_argument("--first", default="sinusoidal_identification", metavar="BATTERY", help="first battery (the thesis's four sines)")
     parser.add_argument("--fixed", default="full", metavar="BATTERY", help="the fixed battery to compare with (full)")
     budget = "seconds of recording after which no experiment is begun; one that runs then is finished (600)"
     parser.add_argument("--budget", type=float, default=600.0, help=budget)

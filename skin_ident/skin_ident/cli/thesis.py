@@ -25,8 +25,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _main(arguments: Sequence[str] | None) -> int:
     parser = common.Parser(prog="thesis", description=__doc__)
-    parser.add_argument("--out", metavar="DIR", help="where thesis.json goes; left out: nothing is written")
-    parser.add_argument("--runs", type=int, default=10, help="of the validation, per thickness")
+    parser.add_argument("--out", metavar="DIR", help="where thesis.json goes; default: nothing is written")
+    parser.add_argument("--runs", type=int, default=10, help="number of runs of the validation, per thickness")
     chosen = parser.parse_args(arguments)
     if chosen.runs < 1:
         raise FitError(f"--runs counts experiments, from 1 on, not {chosen.runs}")

@@ -153,7 +153,7 @@ def _part(every: list, looked: Inspected, known: _Known, model: Model | None, pr
     if c.train[0].free_mass:
         looked = looked.weighed(c.train[0].heaviest)
         every = _warned_first(every, mass_warnings(c.extended.model.dispersion.m, mass, declared))
-    progress("asking what is left")
+    progress("testing whether a pattern is left")
     after = _with_courses(looked.sessions, c)
     seen = (*_in_the_rest(c, every, after, looked.symptoms), *find_pull(c.extended.model, after))
     symptoms = (*known.odd, *seen)
@@ -161,7 +161,7 @@ def _part(every: list, looked: Inspected, known: _Known, model: Model | None, pr
     explained = max((n.gain.squares for n in c.named), default=0.0)
     verdict = verdict_of(bool(c.named or symptoms), rest.is_systematic(explained))
     experiments = separating_experiments(c, progress)
-    progress("judging what it is worth")
+    progress("measuring the gain on held-out data")
     whole = known.split(looked.whole)
     judged = judge(c, symptoms, whole, model, mass)
     findings = as_findings(judged.criticism, symptoms, every, *whole, rest, verdict, model is not None, experiments)
@@ -260,7 +260,7 @@ def are_scans(recordings: list) -> bool:
     """Whether these are static spread scans. Raises `DiagnosisError` if scans and sessions are mixed."""
     scans = [r.name for r in recordings if isinstance(r, SpreadScan)]
     if scans and len(scans) < len(recordings):
-        raise DiagnosisError(f"static scans and sessions in time are diagnosed apart: leave out {', '.join(scans[:3])}, or everything else")
+        raise DiagnosisError(f"static scans and sessions are diagnosed separately: leave out {', '.join(scans[:3])}, or everything else")
     return bool(scans)
 
 

@@ -34,11 +34,11 @@ def belong_together(recordings: list, model: Model | None = None) -> None:
     kinds = {(r.kind, len(r.taxels), r.force is not None) for r in recordings}
     if len(kinds) > 1:
         said = "; ".join(f"{r.name}: {r.kind} with {counted(len(r.taxels), 'taxel')}" for r in recordings)
-        raise DiagnosisError(f"the recordings do not carry the same channels ({said}): diagnose them apart")
+        raise DiagnosisError(f"the recordings do not have the same channels ({said}): diagnose them separately")
     thick = sorted({r.declared.skin_thickness_mm for r in recordings if r.declared.skin_thickness_mm})
     if len(thick) > 1:
         said = " and ".join(f"{t:g}" for t in thick)
-        raise DiagnosisError(f"the recordings are of skins that are {said} mm thick, and a model is of one skin: diagnose them apart")
+        raise DiagnosisError(f"the recordings are of skins that are {said} mm thick, and a model is of one skin: diagnose them separately")
     if model is not None and len(model.shares) != len(recordings[0].taxels):
         raise DiagnosisError(f"the model has {counted(len(model.shares), 'taxel')}, the recordings have {len(recordings[0].taxels)}")
     lasts = recordings[0].t[-1] - recordings[0].t[0] + 1.5 * recordings[0].dt  # N samples are N periods, and stamps jitter
@@ -89,8 +89,8 @@ def enough_is_compared(train: list, held: list) -> None:
     for sessions in filter(None, (train, held)):
         if sum(np.count_nonzero(s.weight, axis=1) for s in sessions).max() < FEWEST:
             raise DiagnosisError(
-                f"hardly anything of {', '.join(s.name for s in sessions[:3])} can be compared: the plunger is faster than the skin "
-                "follows, so that they part and meet with a jump all the time; press more slowly, or deeper"
+                f"hardly any sample of {', '.join(s.name for s in sessions[:3])} can be compared: the plunger is faster than the skin "
+                "recovers, so that contact is lost and regained all the time; press more slowly, or deeper"
             )
 
 
@@ -101,13 +101,13 @@ def something_moves(recordings: list) -> None:
     what = "force" if recordings[0].depth is None else "depth"
     if all(is_still(r.force if r.depth is None else r.depth) for r in recordings):
         raise DiagnosisError(
-            f"the {what} never moves {where}, which asks nothing of the skin or its sensors: record presses that begin in the air and "
+            f"the {what} never moves {where}, which does not excite the skin or its sensors: record presses that begin in the air and "
             "come back to it"
         )
     if what == "depth" and recordings[0].force is None and all(is_still(y) for r in recordings for y in r.taxels):
-        raise DiagnosisError(f"no taxel answers the depth {where}, and there is no load cell: check wiring and channels, and record again")
+        raise DiagnosisError(f"no taxel follows the depth {where}, and there is no load cell: check wiring and channels, and record again")
     if what == "depth" and recordings[0].force is not None and all(is_still(r.force) for r in recordings):
-        raise DiagnosisError(f"the force does not answer the depth {where}: mend the load cell, or leave its column out")
+        raise DiagnosisError(f"the force does not follow the depth {where}: repair the load cell, or leave its column out")
 
 
 def _counts_seconds(r) -> None:
@@ -140,8 +140,8 @@ def doubted(r):
     least, most = np.percentile(r.depth, [SHALLOWEST, DEEPEST])
     if least < DOUBTED * most or _left(r, least, most) > GONE:
         return r
-    said = f"the depth never falls below {1e3 * least:.3g} mm, where the load is gone: its zero may not be the surface"
-    return r.warned(f"{said}, and then stiffness and curvature are not the skin's; zero it where the plunger touches")
+    said = f"the depth never falls below {1e3 * least:.3g} mm, and there the load is already zero: the zero of depth may not be the surface"
+    return r.warned(f"{said}, and then stiffness and curvature are wrong; zero the depth where the plunger touches the skin")
 
 
 def _has_both_sides(r) -> None:
@@ -161,7 +161,7 @@ def _is_long_enough(r, slowest: float) -> None:
     kept = (len(r) - band.kernel.size) // band.every + 1
     if kept < FEWEST:
         least = r.dt * (band.kernel.size + FEWEST * band.every)
-        lasts = f"{r.name} lasts {r.t[-1] - r.t[0]:.3g} s, too short to tell anything from noise: {least:.2g} s are needed at least"
+        lasts = f"{r.name} lasts {r.t[-1] - r.t[0]:.3g} s, too short to distinguish anything from noise: {least:.2g} s are needed at least"
         slow = [name for name, own in r.readings.items() if own.period > SELDOM * r.dt]
         seldom = f", for {slow[0]} comes every {r.longest_period:.2g} s only; leave it out, or record it faster" if slow else ""
         raise DiagnosisError(lasts + seldom)

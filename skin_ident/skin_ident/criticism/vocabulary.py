@@ -68,7 +68,7 @@ CAUSES: tuple[Cause, ...] = (
         "rate_dependence",
         "damping is not proportional to speed",
         "use the extended model where speeds vary",
-        "the same path at three or more speeds, a decade apart",
+        "the same path at three or more speeds, each ten times the one before",
     ),
     Cause(
         "hysteresis",
@@ -80,20 +80,20 @@ CAUSES: tuple[Cause, ...] = (
         "cyclic_softening",
         "the first cycle to a new depth is stiffer than the next",
         "pre-cycle the skin to its full depth before use",
-        "virgin cycles that go deeper step by step, each repeated",
+        "cycles on a fresh specimen that go deeper step by step, each repeated",
     ),
     Cause(
         "adhesion",
         "the skin pulls on the plunger while it leaves",
-        "dust or lubricate the surface, or use the extended model near contact",
-        "slow and fast withdrawals right out of contact",
-        "dust or lubricate the surface",
+        "powder (talc) or lubricate the surface, or use the extended model near contact",
+        "slow and fast withdrawals until the plunger is out of contact",
+        "powder (talc) or lubricate the surface",
     ),
     Cause(
         "dead_zone",
         "nothing is transmitted below a threshold",
-        "preload the taxel, or accept the smallest force it can see",
-        "light touches around the contact",
+        "preload the taxel, or accept that it does not sense smaller forces",
+        "light touches around the onset of contact",
     ),
     Cause(
         "friction",
@@ -105,18 +105,18 @@ CAUSES: tuple[Cause, ...] = (
     Cause(
         "mount_compliance",
         "the encoder moves further than the plunger's tip",
-        "stiffen the mount, or correct the depth by force over stiffness",
+        "stiffen the mount, or subtract force divided by its stiffness from the depth",
         "a press on a rigid target, or skins of two thicknesses on the same mount",
     ),
     Cause(
         "backlash",
         "depth is lost at every reversal",
-        "preload the stage or approach from one side",
+        "preload the stage, or always approach from the same side",
         "reversals in contact with small and large strokes",
     ),
     Cause(
         "off_centre",
-        "contact is not where it was said to be",
+        "contact is not where it was declared to be",
         "centre the plunger over the taxel again, and put the stage's axes along the array's",
         "three or more taxels with known positions, or a lateral scan",
     ),
@@ -128,11 +128,11 @@ CAUSES: tuple[Cause, ...] = (
     ),
     Cause(
         "gain_error",
-        "the slope of a calibration is off, or changed part-way",
+        "the slope of a calibration is wrong, or changed during the recording",
         "calibrate this sensor again",
         "a known load, or the same press at start and end of the session",
     ),
-    Cause("force_offset", "a constant bias", "tare the sensor in the air", "free air before and after"),
+    Cause("force_offset", "the reading has a constant bias", "tare the sensor in the air", "free air before and after"),
     Cause(
         "drift",
         "the zero, the gain or the reading under load creeps with time",
@@ -141,8 +141,8 @@ CAUSES: tuple[Cause, ...] = (
     ),
     Cause(
         "saturation",
-        "the reading clips",
-        "stay below the level, or extend the range",
+        "the reading is clipped at a greatest value",
+        "stay below this level, or extend the range of the sensor",
         "a press beyond the largest force of interest",
     ),
     Cause(
@@ -171,12 +171,12 @@ CAUSES: tuple[Cause, ...] = (
     ),
     Cause(
         "interference",
-        "a periodic disturbance, often aliased mains",
+        "a periodic disturbance, often aliased mains hum (50 or 60 Hz)",
         "shield, or filter before sampling",
         "half a minute of any recording",
     ),
     Cause("outliers", "spikes, drop-outs or frozen samples", "check cables and driver", "any recording"),
-    Cause("dead_taxel", "a taxel is stuck or open", "replace the taxel, or mask it", "presses that reach every taxel"),
+    Cause("dead_taxel", "a taxel is stuck or open-circuit", "replace the taxel, or leave it out", "presses that reach every taxel"),
     Cause(
         "noise",
         "the noise is not what was declared",

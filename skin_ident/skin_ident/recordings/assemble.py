@@ -119,7 +119,7 @@ def _fits(name: str, declared: Declared, taxels: int, depth: np.ndarray | None) 
     travel = 0.0 if depth is None else 1e6 * float(np.ptp(depth))
     if declared.encoder_step_um and 0.0 < travel < declared.encoder_step_um:
         step = f"an encoder that steps by {declared.encoder_step_um:g} µm cannot have read a travel of {travel:.3g} µm"
-        raise RecordingError(f"{name}: {step}; mend encoder_step_um in rig.yaml")
+        raise RecordingError(f"{name}: {step}; correct encoder_step_um in rig.yaml")
 
 
 def _named(parts: list[Channels], of: Callable[[Channels], Iterable]) -> dict[str, Any]:
@@ -206,7 +206,7 @@ def _plausible(r: Recording) -> Recording:
     if doubt := slow(r):
         r = r.warned(doubt)
     if r.depth is not None and r.depth.max() <= 0.0 and r.force is not None:
-        r = r.warned("the plunger never goes below the surface (depth > 0): a dispersion model has nothing to be fitted to")
+        r = r.warned("the plunger never goes below the surface (depth is never > 0): no dispersion model can be fitted")
     for names, rows in ((("force",), r.force), (r.taxel_names, r.taxels)):
         if rows is not None and rows.size:
             r = _sized(r, names, *extremes(np.atleast_2d(rows)))
@@ -236,9 +236,9 @@ def _turned(r: Recording) -> Recording:
     if r.depth is not None and _falls_too(r):
         taxels = [f"taxel_{i}" for i, unit in enumerate(r.taxel_units) if unit == "N"]
         return r.scaled(dict.fromkeys(("force", *taxels), -1.0)).warned(
-            "force and taxels fall when the skin is pressed: the sign of all of them was turned round (compression is positive)"
+            "force and taxels fall when the skin is pressed: the sign of all of them was reversed (compression is positive)"
         )
-    return r.scaled({"force": -1.0}).warned("force falls when the skin is pressed: its sign was turned round (compression is positive)")
+    return r.scaled({"force": -1.0}).warned("force falls when the skin is pressed: its sign was reversed (compression is positive)")
 
 
 def _falls_too(r: Recording) -> bool:
@@ -260,7 +260,7 @@ def _with_depth_turned(r: Recording) -> Recording:
     if not answering or not all(_spread_above(row, r.depth) < (1.0 if falling else flat) for row in answering):
         return r
     return replace(r, depth=-r.depth).warned(
-        "the loads change while the depth is below zero, and not above: the depth counts away from the skin; its sign was turned round "
+        "the loads change while the depth is below zero, and not above: the depth counts away from the skin; its sign was reversed "
         "(depth is positive into the skin)"
     )
 

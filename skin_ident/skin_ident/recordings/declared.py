@@ -166,7 +166,7 @@ def _warnings(content: Mapping[str, Any], known: list[str]) -> Iterator[str]:
     """Warnings about unknown keys and implausible values."""
     unknown = sorted(str(key) for key in content if key not in known)
     if unknown:
-        yield f"passed over in {FILE_NAME}: {', '.join(_or_meant(key, known) for key in unknown)}"
+        yield f"ignored in {FILE_NAME}, unknown: {', '.join(_or_meant(key, known) for key in unknown)}"
     thick = content.get("skin_thickness_mm")
     if thick is not None and thick > THICK_MM:
         yield f"skin_thickness_mm in {FILE_NAME} is {thick:g}: skin is hardly ever thicker than {THICK_MM:g} mm, is it in millimetres?"

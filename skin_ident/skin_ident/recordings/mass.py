@@ -20,9 +20,9 @@ def known_mass(declared: Declared, thickness_mm: float | None = None) -> KnownMa
     """The declared mass, or that of silicone with the thickness requested, else declared, else usual."""
     if declared.moving_mass_kg is not None:
         return KnownMass(declared.moving_mass_kg, f"what {FILE_NAME} declares (moving_mass_kg)")
-    thick, why = USUAL_MM, f"for lack of moving_mass_kg or skin_thickness_mm in {FILE_NAME}"
+    thick, why = USUAL_MM, f"because neither moving_mass_kg nor skin_thickness_mm is declared in {FILE_NAME}"
     if declared.skin_thickness_mm is not None:
         thick, why = declared.skin_thickness_mm, f"as {FILE_NAME} declares"
     if thickness_mm is not None:
-        thick, why = thickness_mm, "as was asked for"
+        thick, why = thickness_mm, "as requested"
     return KnownMass(MASS_PER_THICKNESS * 1e-3 * thick, f"that of silicone {thick:g} mm thick (thesis 4.3.1), {why}")

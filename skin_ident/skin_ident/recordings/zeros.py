@@ -15,8 +15,8 @@ from skin_models.words import counted
 STATE_TYPE = "skin_testbed_msgs/msg/DriverState"
 INACTIVE = 0  # a state that says nothing about zeros
 TOLD = (  # flag, its counter (older drivers have none), and the words for setting and for clearing it
-    ("zeroed", "zero_count", "the depth was zeroed anew", "the zero of the depth was given up"),
-    ("tared", "tare_count", "the loads were tared anew", "the tare of the loads was taken back"),
+    ("zeroed", "zero_count", "the depth was zeroed anew", "the zero of the depth was reset"),
+    ("tared", "tare_count", "the loads were tared anew", "the tare of the loads was reset"),
 )
 NAMED = 3  # most times of one kind that a sentence gives
 
@@ -87,7 +87,7 @@ def of_one_zero(tracks: dict[str, Track], stamped: Mapping[str, bool], changes: 
     pieces = {role: _pieces(track.t, [c.at(stamped[role]) for c in inside]) for role, track in tracks.items()}
     touched = tracks[first].blocks[0][0] > 0.0 if first == "encoder" else np.zeros(t.size, bool)
     best = max(range(len(inside) + 1), key=lambda i: (np.count_nonzero(touched & pieces[first][i]), np.count_nonzero(pieces[first][i])))
-    said = f"{_said(inside, [(c.at(stamped[first]) - t[0]) * 1e-9 for c in inside])}: what lies before and after are records of their own"
+    said = f"{_said(inside, [(c.at(stamped[first]) - t[0]) * 1e-9 for c in inside])}: the parts before and after are separate records"
     kept = (t[pieces[first][best]] - t[0]) * 1e-9
     if kept.size < 2:
         raise RecordingError(f"{said}, and too short; record again")

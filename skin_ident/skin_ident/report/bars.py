@@ -51,7 +51,7 @@ def ranking(round_: Round, number: int, top: float) -> Safe:
     named = named_cause(round_.named or "")
     title = f"Round {number}: {cause_at(named, '')} named" if named else f"Round {number}: nothing more could be named"
     if not ranked:
-        return el("div", el("h4", title), el("p", "No cause explains anything of what was left.", class_="note"), class_="rank")
+        return el("div", el("h4", title), el("p", "No cause explains any of the remaining error.", class_="note"), class_="rank")
     first = True
     rows = []
     for cause, where, gain in ranked:
@@ -86,7 +86,7 @@ def _parameter_row(before: Amount | None, after: Amount | None, v: View) -> list
     if not before:
         return [capital(known.words), el("code", known.name.rpartition(".")[2]), *cells, "new", el("b", "added", class_="tag new")]
     has_moved = moved(before, after)
-    tag = el("b", f"not {v.begun}" if v.given else "was hiding the missing effect", class_="tag hid") if has_moved else None
+    tag = el("b", f"not {v.begun}" if v.given else "was biased by the missing effect", class_="tag hid") if has_moved else None
     return [capital(known.words), el("code", known.name.rpartition(".")[2]), *cells, _change(before, after), tag]
 
 

@@ -15,7 +15,7 @@ TESTED = {
     IN_TURN: "sessions held out in turn",
     UNTESTED: "the data it was fitted to",
 }
-NOT_PROVEN, NEITHER = "Not proven", "Not sure, neither of the gain nor of the name"
+NOT_PROVEN, NEITHER = "Not proven", "Sure neither of the gain nor of the name"
 MOST_ADVICE = 4  # pieces of advice on the first screen
 GAIN = "gain_error"
 LATER, BY_HAND = "not before the next experiment", "not before a check by hand"
@@ -26,12 +26,12 @@ def sure(v: View) -> tuple[str, tuple[str, ...]]:
     rivals = sum(bool(f.alternatives) for f in v.findings)
     because = [*_on_held_out(v)]
     if rivals and len(v.findings) > 1:
-        because.append(f"{rivals} of the {len(v.findings)} named causes cannot be told from a rival on these data.")
+        because.append(f"{rivals} of the {len(v.findings)} named causes cannot be distinguished from a rival with these data.")
     elif rivals:
         because.append(f"These data cannot tell it from the other name{'s' * (len(v.findings[0].alternatives) > 1)}.")
     because += _of_the_drive(v)
     if v.verdict in (PARTLY, UNEXPLAINED) and v.rest and v.rest > 0.0:
-        because.append(f"Of what is left, {percent(v.rest)} still follows a pattern: it is not all noise.")
+        because.append(f"Of the mean square of the remaining error, {percent(v.rest)} still follows a pattern: it is not only noise.")
     if untested := {text(e.get("cause")) for e in v.untestable if e not in (*v.doubts, *v.left_open)}:
         because.append(f"{counted(len(untested), 'cause')} could not be tested with these data.")
     return _grade(v, rivals > 0), tuple(because)
@@ -47,7 +47,7 @@ def _of_the_drive(v: View) -> Iterator[str]:
     """A sentence saying that the load cell itself may be wrong, where its force drives the simulation, so that it has no residual."""
     driven = bool(v.errors) and not v.is_scan and all(e.channel != "force" for e in v.errors)
     if driven and any(where == "load_cell" for f in v.findings for _, where in f.names):
-        yield "There is no depth, and the force of the load cell drives the simulation: the load cell itself may be what is wrong."
+        yield "No depth was recorded, so the force of the load cell drives the simulation: the load cell itself may be what is wrong."
 
 
 def _clear(v: View) -> int:
@@ -64,14 +64,14 @@ def _grade(v: View, rivals: bool) -> str:
             return f"Fairly sure: {counted(len(v.doubts), 'cause')} in doubt"
         if v.left_open:
             return f"Fairly sure: {counted(len(v.left_open), 'cause')} left open"
-        return "Sure, for what could be tested" if v.above is None else "Fairly sure: a little more is left than noise"
+        return "Sure, for what could be tested" if v.above is None else "Fairly sure: the remaining error is a little above the noise"
     if v.verdict == UNEXPLAINED or not v.findings:
-        return "Sure that something is wrong, not what"
+        return "Sure that something is wrong, but not of its cause"
     if rivals:
         return "Sure of the gain, not of the name" if _clear(v) == len(v.judged) else NEITHER
     if _clear(v) < len(v.judged) or v.tested == STRETCHES:
         return "Fairly sure"
-    return "Sure" if v.verdict == EXPLAINED else "Sure of what is named; more is left"
+    return "Sure" if v.verdict == EXPLAINED else "Sure of what is named; something else is unexplained"
 
 
 def _on_held_out(v: View) -> Iterator[str]:
@@ -84,20 +84,20 @@ def _on_held_out(v: View) -> Iterator[str]:
     elif v.judged and _clear(v) == len(v.judged):
         yield f"The prediction of {TESTED[v.tested]} improves beyond chance (the 95 % interval excludes zero)."
     elif len(v.judged) == 1:
-        yield f"The prediction of {TESTED[v.tested]} improves, but the 95 % interval of the plain error's fall includes zero."
+        yield f"The prediction of {TESTED[v.tested]} improves, but the 95 % interval of the fall of the RMS error includes zero."
     elif v.judged:
         yield f"{_clear(v)} of {counted(len(v.judged), 'finding')} improve the prediction of {TESTED[v.tested]} beyond chance."
     if v.tested == STRETCHES:
-        yield "There is only one session: a second one would be a harder test."
+        yield "There is only one session: a second one would be a stricter test."
 
 
 def rebuild_answer(v: View) -> tuple[str, str]:
     """Whether a sensor must be rebuilt: the most serious answer among the findings, and a reason that follows "because"."""
     if not v.findings and v.verdict == NOTHING and not v.unsettled:
-        return "No", f"nothing in these data speaks against the sensor{_but_a_gain(v)}"
+        return "No", f"nothing in these data indicates a fault of the sensor{_but_a_gain(v)}"
     if not v.findings:
-        open_ = "what is not settled may as well be in the declared layout" if v.left_open else "no cause could be named"
-        return "Not on this evidence", "what is in doubt is not borne out" if v.doubts else open_
+        open_ = "what is not settled may be an error of the declared layout" if v.left_open else "no cause could be named"
+        return "Not on this evidence", "what is in doubt is not confirmed" if v.doubts else open_
     answers = [_of_all_names(f) for f in v.findings]
     for grave in ("yes", "perhaps", "cannot say", BY_HAND, LATER):
         for a in answers:
@@ -108,7 +108,7 @@ def rebuild_answer(v: View) -> tuple[str, str]:
 
 def _but_a_gain(v: View) -> str:
     """The caveat of a "no" where a gain error could not be tested: a constant error of gain looks like another stiffness of the skin."""
-    return ". Not testable here: a constant error of gain" if any(e.get("cause") == GAIN for e in v.untestable) else ""
+    return ". Not testable with these data: a constant gain error of a sensor" if any(e.get("cause") == GAIN for e in v.untestable) else ""
 
 
 def _of_all_names(f: Finding) -> Rebuild:
@@ -121,12 +121,12 @@ def _of_all_names(f: Finding) -> Rebuild:
     if answers == {"no"} and not any(where.startswith("taxel") for _, where in f.names):
         return Rebuild("no", "none of the names that are left is a fault of a taxel")
     if answers == {"no"}:
-        return Rebuild("no", "none of the names that are left asks for another taxel; at most for its calibration, zero or wiring")
+        return Rebuild("no", "none of the names that are left requires a new taxel; at most its calibration, zero or wiring is wrong")
     if answers <= {"yes", "perhaps"}:
-        return Rebuild("perhaps", "every name that is left puts the fault in a sensor, and not every one asks for another")
+        return Rebuild("perhaps", "every name that is left is a fault of a sensor, but not every one requires a new sensor")
     if answers == {"no", "cannot say"}:
-        return Rebuild(later, "one of the names that are left is a wrong record, which proves nothing about a sensor")
-    return Rebuild(later, "of the names that are left, one puts the fault in a sensor, and another does not")
+        return Rebuild(later, "one of the names that are left is a wrong record, which says nothing about a sensor")
+    return Rebuild(later, "of the names that are left, one is a fault of a sensor, and another does not concern a sensor")
 
 
 def next_steps(v: View, folder: str = "") -> Iterator[str]:
@@ -141,20 +141,20 @@ def next_steps(v: View, folder: str = "") -> Iterator[str]:
     yield from _advice(v)
     if any(f.carried for f in v.findings):
         lies = f"in {folder}" if folder else "beside this report"
-        as_some = ", and all the time: for the other sessions take out what they are free of" * any(f.partly for f in v.findings)
+        as_some = ", for all sessions: remove a cause to simulate sessions without it" * any(f.partly for f in v.findings)
         yield f"Load model.yaml, {lies}, into the simulated skin: {_carried(v)} named here is in it{as_some}."
     if v.verdict in (PARTLY, UNEXPLAINED):
-        yield "See below which way the remaining error leans, and record what the untested causes need."
+        yield "See below how the remaining error depends on depth, speed and frequency, and record what the untested causes need."
     for needs in dict.fromkeys(text(e.get("needs")) for e in v.doubts):
         names = [named_at(e) for e in v.doubts if text(e.get("needs")) == needs]
         yield sentence(f"To settle {' and '.join(names)}: record {needs}")
     for needs in dict.fromkeys(text(e.get("needs")) for e in v.left_open):
         yield sentence(f"To settle whether it is {either([named_at(e) for e in v.left_open if text(e.get('needs')) == needs])}: {needs}")
     if v.errors and v.tested in (UNTESTED, STRETCHES):
-        yield "Record a second session and give it with --hold-out: it costs minutes and turns a guess into a test."
+        yield "Record a second session and give it with --hold-out: it takes minutes, and the result is then tested on independent data."
     if v.verdict == NOTHING:
         keep = "Until then keep the model." if v.unsettled else "Keep the model."
-        yield keep + (" If you doubt one of the untested causes, record what its row below asks for." if v.untestable else "")
+        yield keep + (" If you suspect one of the untested causes, record what its row below asks for." if v.untestable else "")
 
 
 def _by_hand(f: Finding) -> Iterator[str]:
@@ -162,7 +162,7 @@ def _by_hand(f: Finding) -> Iterator[str]:
     yield sentence(f"{_between(f)}: {f.separating}")
     each = [(cause_at(*name), f.act if name == f.names[0] else advice(name[0])) for name in f.names]
     yield from (sentence(f"If it is {name}: {act}") for name, act in each if act)
-    yield "Do one of these at a time and record again: what makes the mismatch go was the cause."
+    yield "Do only one of these at a time and record again: the one that removes the mismatch was the cause."
 
 
 def _between(f: Finding) -> str:

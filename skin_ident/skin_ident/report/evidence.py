@@ -27,10 +27,10 @@ def evidence(outcome: Outcome, v: View) -> Safe | None:
     if not cards and not rounds:
         return None
     note = (
-        "The longer the bar (one scale for all rounds), the more of the mismatch that cause alone would explain, as estimated when the "
-        "round began (fall of the squared error, as a multiple of the noise's). The model's own parameters were free to explain it first. "
-        "The best few were then fitted in full: percentages in words are of that. The blue bar was named; a name also had to predict "
-        "unused data better."
+        "The length of a bar (one scale for all rounds) is how much of the mismatch that cause alone would explain, as estimated when the "
+        "round began (fall of the squared error, in units of the variance of the noise). The model's own parameters were free to explain "
+        "it first. The best few were then fitted in full: percentages in the text come from these fits. The blue bar is the cause that was "
+        "named; it also had to predict unused data better."
     )
     ranks = [el("h3", "How the causes compare"), el("p", note, class_="note"), el("div", rounds, class_="grid wide")] if rounds else None
     return section("evidence", "The evidence", el("div", cards, class_="cards"), ranks)
@@ -44,7 +44,7 @@ def _card(f: Finding, v: View, number: int) -> Safe:
         ("In each session", [el("div", f"{session}: {text(own)}") for session, own in f.each_session.items()]),
         ("Why", sentence(f.why)),
         *_gain_rows(f, v),
-        ("Had been hiding in", [el("div", _bent(*pair, v)) for pair in f.hid_in]),
+        ("Had biased", [el("div", _bent(*pair, v)) for pair in f.hid_in]),
         *((EVIDENCE.get(k) or capital(spoken(k)), _evidence_text(k, value)) for k, value in f.evidence if k not in UNTOLD),
         *(("Could also be", _other(f, i)) for i in range(len(f.alternatives))),
         ("Would tell them apart", sentence(f.separating)),

@@ -72,10 +72,10 @@ def allowed(v: View) -> str:
     changed = [e for e in v.errors if None not in e.pair and fall(e) > LEAST and e.channel not in v.silent]
     if v.findings or not changed:
         return ""
-    own = f"each session has its own {' and '.join(v.own_zeros)}, no further off than good hardware and a tare leave it"
-    had = own if v.own_zeros else "what is fitted is no fault, see the warnings"
+    own = f"each session has its own {' and '.join(v.own_zeros)}, of a size that good hardware and a tare leave"
+    had = own if v.own_zeros else "what is fitted is not a fault, see the warnings"
     without = " and ".join(f"{error(e.pair[0], e, v)} in the {signal(e.channel)}" for e in changed)
-    return f"In this {had}; without that it would be {without}."
+    return f"Here {had}; without this the error would be {without}."
 
 
 def _when_fitted(e: ChannelError, v: View) -> str:
@@ -96,7 +96,7 @@ def _gain(e: ChannelError, v: View) -> Figure:
     before, after = _tested_pair(e, v)
     share, scaled = 1.0 - after / before, at_any_scale(e, v)
     together = "" if len(v.findings) == 1 else " with everything named here together"
-    scale = ", each session at a scale of its own" if scaled else ""
+    scale = ", with a scale factor fitted to each session" if scaled else ""
     caption = f"{'less' if share >= 0 else 'more'} error in the {signal(e.channel)}{together}, on {TESTED[v.tested]}{scale}"
     said = [
         f"Typical error: {error(before, e, v)} before, {error(after, e, v)} after.",
@@ -127,8 +127,8 @@ def at_any_scale(e: ChannelError, v: View) -> bool:
 def _as_it_is(e: ChannelError, v: View) -> str:
     before, after = (error(x, e, v) for x in e.pair)
     return (
-        f"As it is, the error there is {before} before and {after} after: these sessions differ from those fitted by a factor, which is no "
-        "part of what is named; see what each session says by itself."
+        f"Without these factors the error is {before} before and {after} after: these sessions differ from the fitted ones by a factor, "
+        "which is not part of what is named; see what each session says by itself."
     )
 
 
@@ -139,7 +139,7 @@ def _interval(v: View, e: ChannelError) -> str:
     if not gains:
         return ""
     alone = len(v.judged) == 1
-    step, what = ("The fall is", "This fall") if alone else ("The first cause alone is worth", "What the first cause alone is worth")
+    step, what = ("The fall is", "This fall") if alone else ("The fall by the first cause alone is", "The fall by the first cause alone")
     return _fall_said(step, what, gains[0].low, gains[0].high, gains[0].before, gains[0].unit, v)
 
 
@@ -148,7 +148,7 @@ def _fall_said(step: str, what: str, low: float, high: float, before: float | No
     if low > 0.0:
         return f"{step} {fall_span(low, high, before, unit, v.loudest)} with 95 % confidence."
     other = f"rise by {amount(-low, unit, like=v.loudest or None, digits=2)}" if low else "stay as it is"
-    return f"{what} may be chance: with 95 % confidence the error may as well {other}."
+    return f"{what} may be chance: the 95 % interval also allows the error to {other}."
 
 
 def _where_it_lies(e: ChannelError, v: View) -> str:
@@ -157,7 +157,7 @@ def _where_it_lies(e: ChannelError, v: View) -> str:
     if own is None or own.channel == e.channel or own.channel in v.silent or None in own.pair or not own.pair[0]:
         return ""
     both = " before, ".join(error(x, own, v) for x in own.pair)
-    return f"{capital(spoken(own.channel))}, in which the first of them lies: {both} after."
+    return f"{capital(spoken(own.channel))}, in which the first of the causes lies: {both} after."
 
 
 def _bound(e: ChannelError, after: float, v: View) -> str:
@@ -167,5 +167,5 @@ def _bound(e: ChannelError, after: float, v: View) -> str:
     if after <= ALIKE * e.floor:
         return "What is left is no more than noise."
     if v.verdict in (PARTLY, UNEXPLAINED):
-        return f"Noise alone leaves about {floor}; what is between is still unexplained."
+        return f"Noise alone leaves about {floor}; the difference is still unexplained."
     return f"Noise alone leaves {floor}: " + ("there is nothing more to gain." if after < NEAR * e.floor else "no model can do better.")

@@ -38,8 +38,8 @@ def _error_note(v: View) -> str:
     turn = " Each session was held out in turn to judge the causes; those errors are on the cards below." if _told_on_cards(v) else ""
     error = f"Typical error (root mean square of measured minus simulated{below_band(v)}) on {where}."
     scaled = any(at_any_scale(e, v) for e in v.errors)
-    turn += " Causes were judged with each session at a scale of its own; those errors are on the cards below." if scaled else ""
-    return f"{error} The tick on the bars is what noise alone leaves; no model can do better.{turn}"
+    turn += " Causes were judged with a scale factor fitted to each session; those errors are on the cards below." if scaled else ""
+    return f"{error} The mark on the bars is the error that noise alone leaves; no model can do better.{turn}"
 
 
 def _told_on_cards(v: View) -> bool:
@@ -87,10 +87,10 @@ def left(outcome: Outcome, v: View, seen: Focus | None) -> Safe | None:
     if not blocks:
         return None
     note = (
-        "What the simulation misses. A model that lacks nothing leaves flat lines around zero, and the same noise at every frequency; "
-        "a lean, a step or a hump says when the model fails."
+        "What the simulation misses. A complete model leaves flat lines around zero, and the same noise at every frequency; "
+        "a slope, a step or a peak shows where the model fails."
     )
     if seen is not None:
-        note += f" Medians, with the middle 80 % of the samples shaded against speed; from {short(seen.trace.session)}."
+        note += f" Lines are medians; against speed, the middle 80 % of the samples are shaded. Session: {short(seen.trace.session)}."
     title = "What is left: against depth, speed and frequency" if seen is not None else "What is left"
     return section("left", title, el("p", note, class_="note"), key_left(seen.trace if seen else outcome.scans[0]), blocks)

@@ -22,12 +22,12 @@ WORTH_SAYING = 0.01  # smallest relative change from session to session that the
 MOST_ZEROS, MOST_ERRORS = 6, 6  # channels in the table of zeros, and in that of errors
 CLEARLY = 6.0  # standard errors by which numbers must differ before a pattern over sessions is reported
 NOTE = (
-    "The plain numbers of the model, beside the causes named here, fitted to each session alone together with a zero of every channel, and "
-    "without what was found to be that session's own. Recovery is damping over stiffness. Standard errors are of noise alone. What stands "
-    "out from the other sessions by more than their scatter is marked."
+    "Stiffness and damping of the model with the causes named here, fitted to each session alone, with a zero of every channel, and "
+    "without what was found to be that session's own. Recovery is damping divided by stiffness. Standard errors contain noise only. "
+    "Numbers that differ from those of the other sessions by more than their scatter are marked."
 )
-NO_GAIN = "The taxel does as well, so that it is the skin, or its place, and no gain."
-ERRORS = "Typical error of each session; what stands out is marked."
+NO_GAIN = "The stiffness of the taxel does the same: so the skin, or the place pressed, has changed, and no gain of a sensor."
+ERRORS = "Typical error of each session; errors that differ clearly from those of the other sessions are marked."
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ def goes_on_from_day_to_day(v: View) -> str:
         return ""
     gains = [s for c in _of("ratio", names, told) for s in _goes("ratio", c, names, told, WORTH_SAYING)]
     if gains:
-        return f"{gains[0]} A skin that is stiffer as a whole does not do that: the gain of one of the two may have changed."
+        return f"{gains[0]} A stiffer skin would not change this ratio: the gain of one of the two sensors may have changed."
     stiffer = [s for c in _of("stiffness", names, told) for s in _goes("stiffness", c, names, told, WORTH_SAYING)]
     return f"{stiffer[0]} {NO_GAIN}" if len(stiffer) > 1 else stiffer[0] if stiffer else ""
 

@@ -21,7 +21,7 @@ from skin_ident.report.view import DIRECT, EXPLAINED, NOTHING, PARTLY, UNEXPLAIN
 from skin_ident.report.words import capital, either, meaning, sentence, signal
 
 CLEARLY = 0.9  # the picture supports a finding if with it the error is at most this share of that without it
-UNLIKE_DECLARED = "but only where the taxels share the force otherwise than the declared layout says"
+UNLIKE_DECLARED = "but only if the force is distributed over the taxels differently from the declared layout"
 UNSURE = {  # sentences by the caveat in the title (see `counsel.unsure`)
     "not surely": "Neither gain nor name is sure.",
     "not proven": "The gain was not tested on data that were kept aside.",
@@ -109,7 +109,7 @@ def _headline(v: View) -> Headline:
     if v.verdict == NOTHING:
         down = "The simulation matches these measurements down to their noise."
         if goes_on_from_day_to_day(v):
-            down = "The simulation matches each session down to its noise, but what they say changes from one to another."
+            down = "The simulation matches each session down to its noise, but the fitted numbers change from session to session."
         if v.unsettled:
             down = "No cause could be named beyond doubt." if v.doubts else f"{down[:-1]}, {UNLIKE_DECLARED}."
             title = f"Nothing named, but not settled: {either([named_at(e) for e in v.unsettled], MOST_NAMES)}"
@@ -118,19 +118,19 @@ def _headline(v: View) -> Headline:
     if v.verdict == EXPLAINED and not v.judged:
         return Headline("found", f"Explained: {names}", _in_the_record(v))
     if v.verdict == EXPLAINED:
-        down = "With this in the model, what is left of the mismatch looks like noise."
+        down = "With this in the model, the remaining mismatch looks like noise."
         down = _above(v, "With this in the model, nothing more could be named") or down
         if open_:
             return Headline("part", f"Explained, but {open_}: {names}", f"{down} {UNSURE[open_]}")
         return Headline("found", f"Explained: {names}", down)
     if v.verdict == PARTLY and open_:
-        return Headline("part", f"Partly explained, but {open_}: {names}", f"What is left is not yet noise. {UNSURE[open_]}")
+        return Headline("part", f"Partly explained, but {open_}: {names}", f"The remaining error is not only noise. {UNSURE[open_]}")
     if v.verdict == PARTLY:
-        return Headline("part", f"Partly explained: {names}", "The extended model is better, but what is left is not yet noise.")
+        return Headline("part", f"Partly explained: {names}", "The extended model is better, but the remaining error is not only noise.")
     if v.verdict == UNEXPLAINED:
         title = f"Not explained, despite {names}" if v.findings else "Not explained"
-        return Headline("bad", title, "The simulation is measurably wrong, and no cause that we know describes how.")
-    return Headline("part", capital(spoken(v.verdict)), "This report does not know the verdict; see the findings below.")
+        return Headline("bad", title, "The simulation is measurably wrong, and no known cause explains the error.")
+    return Headline("part", capital(spoken(v.verdict)), "This version of the report does not know this verdict; see the findings below.")
 
 
 def _in_the_record(v: View) -> str:
@@ -138,7 +138,7 @@ def _in_the_record(v: View) -> str:
     rest = "the simulation matches the rest of it" if compared else "what is left of it is too little to judge a simulation"
     if all(f.cause in DIRECT for f in v.findings):
         return f"The fault is in the record itself; {rest}."
-    return f"It is seen in moments that the comparison leaves out; {rest}."
+    return f"It is seen in samples that the comparison leaves out; {rest}."
 
 
 def _above(v: View, begins: str) -> str:
@@ -197,7 +197,7 @@ def _as_well(f: Finding) -> Iterator[str]:
     if less:
         by = " to ".join(dict.fromkeys(percent(b) for b, _ in (less[0], less[-1])))
         one = f"{_which([name for _, name in less], behind)} explain{'s' * (len(less) == 1)}"
-        yield f"{one} {by} less of the mismatch: more than chance, yet too little to rule out, since no model is exact."
+        yield f"{one} {by} less of the mismatch: more than chance, but too little to rule out a cause, because no model is exact."
     if len(f.alternatives) > MOST_NAMES:
         yield f"{len(f.alternatives) - MOST_NAMES} more names are on its card below."
 
@@ -221,7 +221,7 @@ def _in_newtons(seen: Focus, v: View) -> str:
     top = float(np.nanmax(np.abs(seen.trace.measured[seen.row]), initial=0.0))
     unit, name, like = unit_of(v, seen.channel), signal(seen.channel), v.loudest or [rms(change)]
     adding = "Adding it changes" if len(v.findings) == 1 else "Adding them changes"
-    adding = "Putting them right changes" if all(f.cause == "parameters" for f in v.findings) else adding
+    adding = "Correcting them changes" if all(f.cause == "parameters" for f in v.findings) else adding
     return (
         f"{adding} the simulated {name} by up to {amount(peak, unit, like=like)}, typically {amount(rms(change), unit, like=like)}, "
         f"where the measurement reaches {amount(top, unit)}."
@@ -251,8 +251,8 @@ def _stray(seen: Focus, v: View) -> str:
     unit, worst = unit_of(v, seen.channel), float(np.nanmax(np.abs(left), initial=0.0))
     like = v.loudest or [worst]
     return (
-        f"The simulated {signal(seen.channel)} strays from the measured one by up to {amount(worst, unit, like=like)}, typically "
-        f"{amount(rms(left), unit, like=like)}, in a pattern that noise does not make."
+        f"The simulated {signal(seen.channel)} differs from the measured one by up to {amount(worst, unit, like=like)}, typically "
+        f"{amount(rms(left), unit, like=like)}, in a pattern that noise does not produce."
     )
 
 
@@ -265,10 +265,10 @@ def _in_the_picture(seen: Focus, v: View) -> Iterator[str]:
     if worst[1] > CLEARLY * worst[0]:
         return
     unit, like = unit_of(v, seen.channel), v.loudest or worst
-    few = "this" if len(v.findings) == 1 else "these"
-    beside = ", in moments that were not compared" if seen.beside else ""
+    few = "this cause" if len(v.findings) == 1 else "these causes"
+    beside = ", in samples that were not compared" if seen.beside else ""
     yield (
-        f"The picture: without {few} the simulated {signal(seen.channel)} strays from the measured one by up to "
+        f"The picture: without {few} the simulated {signal(seen.channel)} differs from the measured one by up to "
         f"{amount(worst[0], unit, like=like)}, with {few} by up to {amount(worst[1], unit, like=like)}{beside}."
     )
 

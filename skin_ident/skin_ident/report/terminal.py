@@ -15,7 +15,7 @@ VERDICTS = {
     NOTHING: "nothing wrong: what is left looks like noise",
     EXPLAINED: "explained: with these causes, what is left looks like noise",
     PARTLY: "partly explained: something systematic is left",
-    UNEXPLAINED: "unexplained: the simulation is wrong, and no cause of the catalogue says why",
+    UNEXPLAINED: "unexplained: the simulation is wrong, and no cause of the catalogue explains it",
 }
 
 SHORT_OF_NOISE = {
@@ -47,7 +47,7 @@ def _verdict(v: View) -> str:
         open_ = ", and something is not settled" if v.unsettled else ""
         return f"{_surely(SHORT_OF_NOISE[v.verdict], v)} of {channel} is {times:.2f} times what noise alone leaves{open_}"
     if v.verdict == NOTHING and v.doubts:
-        return "nothing wrong beyond doubt"
+        return "nothing could be named with certainty"
     if v.left_open:
         return "nothing named, but something is not settled"
     return _surely(VERDICTS.get(v.verdict, v.verdict), v)
@@ -101,6 +101,6 @@ def _worth(g: Gain) -> Iterator[str]:
     """The fall of the held-out error, where it was measured."""
     if None not in (g.before, g.after, g.low, g.high) and g.before != g.after:
         by = f"at least {g.low:.3g}" if g.high > g.before else f"{g.low:.3g} to {g.high:.3g}"  # an error cannot fall by more than itself
-        chance = f"may be chance: at 95 % it may as well rise by {abs(g.low):.3g} {g.unit}"
+        chance = f"may be chance: the 95 % interval also allows a rise by {abs(g.low):.3g} {g.unit}"
         interval = f"falls by {by} {g.unit}, 95 %" if g.low > 0.0 else chance
         yield f"    held-out error of {g.channel}: {g.before:.3g} -> {g.after:.3g} {g.unit} ({interval})"

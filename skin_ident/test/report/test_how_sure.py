@@ -35,7 +35,7 @@ def test_what_is_left_open_is_no_all_clear():
         ([0.02, 0.06], "The fall is at least 20 mN with", "at least 20 mN", "falls by at least 0.02 N"),
         (
             [-0.01, 0.06],
-            "This fall may be chance: with 95 % confidence the error may as well rise by 10 mN",
+            "This fall may be chance: the 95 % interval also allows the error to rise by 10 mN",
             "at least −10 mN",
             "rise by 0.01 N",
         ),

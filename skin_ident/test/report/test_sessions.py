@@ -72,7 +72,7 @@ def test_what_changes_from_session_to_session_is_on_the_first_screen_where_no_fi
     assert skin.startswith("The stiffness of the force steps by +2.9 % at day7") and "no gain" in skin
     assert said([both(5000.0, 2500.0 + x) for x in days]) == ""
     story = told("nothing_wrong", [both(5000.0 * x, 2500.0) for x in days]).story
-    assert "changes from one to another" in story.headline.line and "Nothing else" in story.wrong[-2].means
+    assert "change from session to session" in story.headline.line and "Nothing else" in story.wrong[-2].means
 
 
 @pytest.mark.parametrize("verdict", ["unexplained", "partly_explained", "explained"])
@@ -102,9 +102,9 @@ def test_a_gain_that_is_seen_at_any_scale_is_told_with_its_own_numbers():
     content = {**content, "findings": [finding], **models, "gain_by_channel": {"force": {**raw, "tested_on": "battery_3"}}}
     all_ = tell(examples.replace(outcome, findings=content))
     told_ = all_.story.better
-    assert told_.number == "90\u00a0%" and told_.caption.startswith("less error") and told_.caption.endswith("at a scale of its own")
+    assert told_.number == "90\u00a0%" and told_.caption.startswith("less error") and told_.caption.endswith("fitted to each session")
     assert "0.50 to 0.58" in told_.sentences[1] and "0.990\u00a0N after" in told_.sentences[2]
-    assert "at a scale of its own; those errors" in page(all_)
+    assert "with a scale factor fitted to each session; those errors" in page(all_)
     plainly = {**raw, "held_out_rmse_after": 0.2, "ci95": [0.3, 0.5]}
     content["gain_by_channel"] = {"force": {**plainly, "tested_on": "battery_3"}}
     content["extended"]["rmse"] = {"force": {"train": 0.06, "held_out": 0.2, "unit": "N"}}

@@ -120,7 +120,7 @@ def test_what_is_ruled_out_in_part_says_so_in_both_tables():
     lean = {"cause": "off_centre", "where": "rig", "parameter": "shift", "below": 4e-6, "unit": "m", "form": "lean"}
     whole = {"cause": "off_centre", "because": "the ratios differ", "needs": "a scan"}
     v = view({"excluded": [lean, lean | {"cause": "friction"}], "untestable": [whole, whole | {"cause": "anisotropy"}]})
-    assert ["only this of it" in size_ruled_out(e, v) for e in v.excluded] == [True, False]
+    assert ["only in part" in size_ruled_out(e, v) for e in v.excluded] == [True, False]
     assert [why_untestable(e, v) for e in v.untestable] == [
         "Ruled out in part only (its form lean): the ratios differ.",
         "The ratios differ.",
@@ -146,7 +146,7 @@ def test_a_zero_that_jumped_asks_for_more_than_a_warm_up(courses, said):
     [
         ([("stress_relaxation", "skin"), ("hysteresis", "skin")], "No", "the skin behaves like this"),
         ([("stress_relaxation", "skin"), ("mount_compliance", "rig"), ("time_shift", "clock")], "No", "none of the names"),
-        ([("gain_error", "taxel_0"), ("off_centre", "rig")], "No", "at most for its calibration"),
+        ([("gain_error", "taxel_0"), ("off_centre", "rig")], "No", "at most its calibration"),
         ([("lag", "taxel_1"), ("hysteresis", "taxel_1")], "Perhaps", "the sensor itself"),
         ([("lag", "taxel_1"), ("time_shift", "clock")], "Not before the next experiment", "another does not"),
         ([("data_error", "taxel_0"), ("gain_error", "taxel_0")], "Not before the next experiment", "a wrong record"),
@@ -206,7 +206,7 @@ def test_it_is_said_which_clock_could_not_be_tested():
     text = markdown(tell(examples.Outcome(findings() | {"excluded": clocks})))
     assert all(f"| time shift of the clock{of} | 1.00\u00a0ms" in text for of in (" of the load cell", " of the taxels", " of the encoder"))
     one = view(findings() | {"excluded": clocks[:1], "untestable": [clocks[1] | {"because": "it was slow"}]})
-    assert why_untestable(one.untestable[0], one) == "It was slow." and "only this" not in size_ruled_out(one.excluded[0], one)
+    assert why_untestable(one.untestable[0], one) == "It was slow." and "only in part" not in size_ruled_out(one.excluded[0], one)
 
 
 def test_a_rival_that_explains_clearly_less_is_not_said_to_fit_as_well():
@@ -278,7 +278,7 @@ def test_given_numbers_are_not_said_to_be_fitted_nor_to_hide_anything():
     (wrong, *_), v = told.story.wrong, told.view
     assert re.sub(r"\s", " ", wrong.size) == "k1 8526 ± 1 N/m instead of 11 090 N/m (−23 %)"
     table, read = str(parameters(v)), str(reading(v, ""))
-    assert "not as given" in table and "hiding" not in table and "nobody fitted them" in table and table.count("±") == 2
+    assert "not as given" in table and "hiding" not in table and "they were not fitted" in table and table.count("±") == 2
     assert "that was given, not fitted" in read and "both fitted" not in read
     assert "recorded as a twin" in str(reading(view(given(model="twin")), ""))
     assert "both fitted" in str(reading(view(findings("explained", entries=[adhesion()])), "")) and "| as given |" in markdown(told)
@@ -307,7 +307,7 @@ def test_a_gain_says_that_it_is_of_all_findings_and_what_became_of_the_channel_o
     after = {c: {"train": e, "held_out": e, "unit": "N"} for c, e in {"force": 0.01, "taxel_0": left}.items()}
     told = better(view(content | {"extended": {"rmse": after}}))
     assert told.caption.startswith(f"less error in the {shown} with everything named here together")
-    beside = "Taxel 0, in which the first of them lies: 20.0\u00a0mN before, 19.8\u00a0mN after."
+    beside = "Taxel 0, in which the first of the causes lies: 20.0\u00a0mN before, 19.8\u00a0mN after."
     assert (beside in told.sentences) is (shown == "force")
 
 

@@ -33,7 +33,7 @@ from skin_models.model import Model
 
 SILENT = 1e-3  # of the largest share, below which a share is too small to be scaled
 NO_FORM = "no: the simulated skin has no effect of this form"
-NOT_JUDGED = "no: what bends the ratios of taxels is written down only where those of all of them can be judged"
+NOT_JUDGED = "no: a cause in the ratios of the taxels is written into the model only where the ratios of all taxels can be judged"
 TOO_LARGE = "no: an effect of the simulated skin cannot be as large as that"
 
 

@@ -15,7 +15,7 @@ from skin_ident.criticism.vocabulary import BY_NAME
 
 ALL = ("off_centre", "crosstalk", "spread_width", "spread_shape", "anisotropy")
 CHANGED = "; a gain of {} that is not the same in all sessions would explain as much"
-UNTOLD = "the ratios of these taxels under these contacts are those of a spread of a little other width"
+UNTOLD = "for these taxels and contacts, the ratios of the taxels look like those of a spread of a slightly different width"
 SILENT = 0.01  # of the largest share, below which a taxel feels nothing
 DECLARED = "how well calibrations (taxel_gain_uncertainty) and the width of the spread (spread_width_mm) are known"
 POSSIBLE = 0.5  # probability that something is wrong, up to which causes can be excluded
@@ -122,7 +122,7 @@ def untestable(a: ArrayCriticism | str) -> Iterator[dict[str, Any]]:
     if "spread_width" not in said:
         yield {
             "cause": "spread_width",
-            "because": "no width is declared (spread_width_mm) or given with a model, or one that changes with depth stands for another",
+            "because": "no width is declared (spread_width_mm) or given with a model, or the width changes with depth",
             "needs": "a declared width, the same at all depths",
         }
     if "anisotropy" not in said:
@@ -132,11 +132,11 @@ def untestable(a: ArrayCriticism | str) -> Iterator[dict[str, Any]]:
             if not _told(j):
                 yield {"cause": j.hypothesis.cause, "where": j.hypothesis.where, "because": UNTOLD, "needs": SCAN}
     elif a.named:
-        taken = "the ratios of the taxels are taken up by what was found in them: beside {} in the {} they bound nothing"
-        beside = {"because": taken.format(*a.judgement.causes[0].key), "needs": f"the same sessions once that is mended, or {SCAN}"}
+        taken = "the ratios of the taxels already show another cause: beside {} in the {} they give no bound for this one"
+        beside = {"because": taken.format(*a.judgement.causes[0].key), "needs": f"the same sessions after that is corrected, or {SCAN}"}
         yield from ({"cause": c, **beside} for c in said if c in ALL and c != "crosstalk")  # which the search bounds in other forms
     else:
-        because = f"{_scatter(a)}, which calibrations or positions off by as much would explain too"
+        because = f"{_scatter(a)}, which wrong calibrations or positions would explain too"
         yield from ({"cause": c, "because": because, "needs": SCAN, "left_open": True} for c in said)
 
 

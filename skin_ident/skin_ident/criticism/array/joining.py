@@ -15,7 +15,7 @@ from skin_models.model import Model
 
 SPOILT = ("dead_taxel", "data_error")  # causes with which no ratio can be judged
 APART = (
-    "what the ratios of the taxels are worth is measured against the declared layout; baseline and extended model have a gain of their own "
+    "the gain from the ratios of the taxels is measured against the declared layout; baseline and extended model have a gain of their own "
     "for every taxel, so their errors do not show it"
 )
 
@@ -29,7 +29,7 @@ def array_criticism(c: Any, layout: Layout | str, symptoms: tuple, recordings: l
         return layout
     spoilt = [s for s in symptoms if s.cause in SPOILT and s.evidence.get("kind") != MORE_THAN_APPLIED]
     if spoilt:
-        return f"{spoilt[0].cause} in {', '.join(spoilt[0].channels)}: ratios with it say nothing"
+        return f"{spoilt[0].cause} in {', '.join(spoilt[0].channels)}: so the ratios of the taxels say nothing"
     sessions, thickness_mm = [*c.train, *c.held], recordings[0].declared.skin_thickness_mm
     if len(layout.contacts) != len(sessions):
         layout = layout.of([0] * len(sessions))

@@ -17,7 +17,7 @@ DISCS = 4.86e-3
 MEASURED_AT = 4.0  # mm, thickness of that silicone
 APART = 1e-4  # m, distance from which two contacts count as different
 FLAT, THIN = 1e-3, 0.2  # extent across a row, m rms, or as a share of that along it in small arrays, up to which all lie in one row
-NOWHERE = "nobody says where the plunger presses (contact_position_mm in rig.yaml): it is taken to be at [0, 0] among the taxels"
+NOWHERE = "nothing says where the plunger presses (contact_position_mm in rig.yaml): it is taken to be at [0, 0] among the taxels"
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +80,7 @@ def layout_of(recordings: list, model: Model | None = None) -> Layout | str:
     count = len(recordings[0].taxels)
     if count < 2:
         return (
-            "there is one taxel: where it is pressed, and how well it is calibrated, shows only beside others"
+            "there is one taxel: the place of the contact and an error of calibration show only in comparison with other taxels"
             if count
             else "there is no taxel"
         )

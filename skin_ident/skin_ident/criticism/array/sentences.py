@@ -17,7 +17,7 @@ SCAN = "press at three or more places along the taxels, a third of their distanc
 _PAIRS = {
     "off_centre gain_error": f"{SCAN}: a wrong calibration stays with its taxel, a wrong place moves with the contact",
     "off_centre crosstalk": f"{SCAN}: crosstalk reaches as far as the wiring does, a wrong place only as far as the spread",
-    "gain_error crosstalk": "press right over one taxel after the other: what its neighbours repeat is then all they read",
+    "gain_error crosstalk": "press right over one taxel after the other: its neighbours then read only what they repeat",
     "gain_error spread_shape": f"{SCAN}: a wrong calibration stays with its taxel, a shape stays with the distance",
     "gain_error spread_width": f"{SCAN}: a wrong calibration stays with its taxel, a width stays with the distance",
     "gain_error gain_error": "press each taxel with the same known load, or right over it",
@@ -48,9 +48,9 @@ def _what(j: Judged, layout: Layout) -> str:
             turned = f"{np.degrees(p['axis']):+.2g}° against the declared ones"
             return f"the ratios of {n} taxels are those of a stage whose axes are turned by {turned}"
         shift = 1e3 * shift_of(p, layout)
-        return f"the ratios of {n} taxels are those of a contact {np.hypot(*shift):.2g} mm off, at ({shift[0]:+.2g}, {shift[1]:+.2g}) mm"
+        return f"the ratios of {n} taxels are those of a contact {np.hypot(*shift):.2g} mm off, by ({shift[0]:+.2g}, {shift[1]:+.2g}) mm"
     if j.hypothesis.cause == "gain_error":
-        return f"{j.hypothesis.where} alone reads {p['gain_' + j.hypothesis.where.partition('_')[2]]:+.1%} off what its neighbours imply"
+        return f"{j.hypothesis.where} alone reads {p['gain_' + j.hypothesis.where.partition('_')[2]]:+.1%} against what neighbours imply"
     if j.hypothesis.cause == "crosstalk":
         return _repeated(next(iter(j.hypothesis.free)), p)
     if j.hypothesis.cause == "spread_width":
@@ -66,7 +66,7 @@ def _what(j: Judged, layout: Layout) -> str:
 def _wide(found: float, declared: float) -> str:
     said = f"the spread falls as exp(-(r/c)^2) with c = {1e3 * found:.3g} mm, not {1e3 * declared:.3g} mm"
     standard = abs(np.log(found / (np.sqrt(2.0) * declared))) < ALIKE
-    return f"{said}, which is as if a standard deviation had been declared: c is sqrt(2) times that" if standard else said
+    return f"{said}; perhaps a standard deviation was declared: c is sqrt(2) times that" if standard else said
 
 
 def _repeated(name: str, p: dict[str, float]) -> str:

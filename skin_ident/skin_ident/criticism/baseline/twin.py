@@ -74,7 +74,7 @@ def _said(session: Session, recording, twin) -> tuple[Session, list[str]]:
         raise DiagnosisError(f"the twin {twin.name} must carry the channels of {recording.name} ({', '.join(session.channels)}): {what}")
     _answers(recording, twin)
     if same(recording, twin):
-        raise DiagnosisError(f"the twin {twin.name} holds the very samples of {recording.name}: give what a simulation said of that motion")
+        raise DiagnosisError(f"the twin {twin.name} holds the very samples of {recording.name}: give a simulation of that motion")
     t, warnings = on_the_clock_of(recording, twin)
     raw = np.array([at(session.motion.t, t, twin.channels[c]) for c in session.channels])
     known = (session.t >= t[0]) & (session.t <= t[-1])
@@ -91,7 +91,7 @@ def _answers(recording, twin) -> None:
             continue
         moves, still = np.any(np.ptp(ours, axis=-1) > 0.0), np.all(np.ptp(theirs, axis=-1) == 0.0)
         if moves and still:
-            raise DiagnosisError(f"the {what} of the twin {twin.name} never changes: leave it out, or give what a simulation said")
+            raise DiagnosisError(f"the {what} of the twin {twin.name} never changes: leave it out, or give what a simulator recorded")
 
 
 def _surrogate(sessions: list[Session], mass: float, names: list[str]) -> Model:

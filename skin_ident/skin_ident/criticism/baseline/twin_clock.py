@@ -29,7 +29,7 @@ def on_the_clock_of(recording, twin) -> tuple[np.ndarray, list[str]]:
     if twin.dt > max(recording.dt, COARSEST_S) * 1.001:
         least = 1.0 / COARSEST_S
         raise DiagnosisError(
-            f"the twin {twin.name} says something {1.0 / twin.dt:.3g} times a second: {least:.3g} are needed for what is compared, up to "
+            f"the twin {twin.name} has {1.0 / twin.dt:.3g} samples per second: {least:.3g} are needed for the comparison, which goes up to "
             f"{CUTOFF_HZ:.3g} Hz"
         )
     by, drive = _told_by_both(recording, twin), _drive(recording)
@@ -41,10 +41,10 @@ def on_the_clock_of(recording, twin) -> tuple[np.ndarray, list[str]]:
     elif not by or abs(late) < max(recording.dt, twin.dt) or not _is_all(recording, t, late, *_both(recording, twin, by)):
         return t, warnings  # no delay is corrected: an error of the twin may also shift its response
     else:
-        hides = f", for it tells no {drive}: damping that is wrong may hide in that"
+        hides = f"; it has no {drive}, so an error of damping may be hidden by this"
     if abs(late) > LEAST * recording.dt:
-        said = f"{twin.name}: its {by} comes {late:+.3g} s beside that of {recording.name}"
-        warnings.append(f"{said}: its clock is set by that{hides}")
+        said = f"{twin.name}: its {by} is {late:+.3g} s late against that of {recording.name}"
+        warnings.append(f"{said}: its clock is set accordingly{hides}")
     return t - late, warnings
 
 
@@ -133,6 +133,6 @@ def _same_motion(recording, twin, t: np.ndarray, by: str) -> list[str]:
     if by == "force" or off <= max(SAME * float(np.std(ours)), NOISE * noise, recording.step(by) or 0.0):
         return []
     return [
-        f"{twin.name}: its depth differs from that of {recording.name} by {1e6 * off:.3g} µm rms: what it answers is the answer to another "
-        "motion, and the difference is told as its error; simulate the motion that was recorded"
+        f"{twin.name}: its depth differs from that of {recording.name} by {1e6 * off:.3g} µm rms: its answer is that to another "
+        "motion, and the difference counts as its error; simulate the motion that was recorded"
     ]

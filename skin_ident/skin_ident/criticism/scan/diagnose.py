@@ -56,7 +56,7 @@ def diagnose_scans(
     apart = _held(held, declared)
     setting = _setting(looked, apart, _start(looked.cells, model, declared))
     found = search(setting.test.start, setting, progress)
-    progress("asking what is left")
+    progress("testing whether a pattern is left")
     rest = systematic_rest(found, setting)
     looked = between_scans(declared_noise(looked, found, declared), found, scans, held, apart)
     contradicting = contradiction(found, setting, scans)

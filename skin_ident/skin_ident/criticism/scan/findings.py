@@ -25,7 +25,7 @@ CHANNEL = "taxel_0"
 ALSO = {"parameters": ("gain_error", "taxel")}  # rivals that no static scan can tell from the cause
 UNSIMULATED = {
     "off_centre": "no: the model is written about the spread's own centre",
-    "drift": "no: the simulated skin has no drift that goes by the order of the readings",
+    "drift": "no: the simulated skin has no drift that depends on the order of the readings",
 }
 SAID = {"power": "shape_power", "tail": "tail_weight", "ceiling": "level", "disc": "disc_radius", "drift": "drift_over_the_scan"}
 
@@ -163,7 +163,7 @@ def entry(n: Named, found: Search, s: Setting) -> dict[str, Any]:
 
 
 def _alternative(c: Candidate, short: float) -> dict[str, Any]:
-    more = {"remark": f"it explains {-short:.3g} more, but one side of the taxel cannot tell it from another shape"}
+    more = {"remark": f"it explains {-short:.3g} more, but on one side of the taxel it looks like another shape"}
     return alternative(c.cause, c.where, max(short, 0.0)) | ({} if short > -1.0 else more)
 
 
@@ -220,9 +220,9 @@ def _doubts(found: Search, scans: list[SpreadScan], held: set[str]) -> list[str]
     n, said = found.noise.noise, []
     if n.placing > 0.0:
         beside = f"as if the plunger had stood about {1e3 * n.placing:.2f} mm beside them"
-        said.append(f"at the same distances the rest has the same sign at all depths, {beside}")
+        said.append(f"at the same distances the residual has the same sign at all depths, {beside}")
     if n.repeat > 0.0:
         said.append(f"from row to row the force differs by about {n.repeat:.1%} more than it should, as if depths did not repeat")
     if len(scans) == 1 and not held:
-        said.append("only one scan: its depths and distances were held out in turn, which passes more than a second scan would; record one")
+        said.append("only one scan: its depths and distances were held out in turn, a weaker test than a second scan; record one")
     return said

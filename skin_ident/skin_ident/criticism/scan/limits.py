@@ -23,7 +23,7 @@ NEVER = {
     "stress_relaxation": _TIME,
     "rate_dependence": _TIME,
     "hysteresis": "a static scan does not say from which side each depth was approached",
-    "cyclic_softening": "a static scan does not say what the skin had felt before",
+    "cyclic_softening": "a static scan does not say how the skin was loaded before",
     "adhesion": "a static scan does not withdraw the plunger",
     "friction": "a static scan has no reversals",
     "mount_compliance": _STIFFNESS,
@@ -56,7 +56,7 @@ def limits(m: Member, cells: Cells, noise: Whitener, x: Excited, named: set[str]
         if entry is not None:
             excluded.append(entry)
         else:
-            because = because or "even an ordinary amount of it would not stand out of the noise here"
+            because = because or "even an ordinary amount of it would not stand out from the noise here"
             untestable.append({"cause": cause.name, "because": because, "needs": NEEDS.get(cause.name, cause.needs)})
     return excluded, untestable
 

@@ -32,7 +32,7 @@ def why(cause: str, before: Member, after: Member, cells: Cells) -> str:
     if cause == "spread_shape":
         return _shape(before, after, cells)
     if cause == "spread_width":
-        return f"the force falls off over {mm(after.values['width'])} instead of {mm(before.values['width'])}"
+        return f"the width of the spread is {mm(after.values['width'])} instead of {mm(before.values['width'])}"
     if cause == "spread_depth":
         return _depth(after, cells)
     if cause == "off_centre":
@@ -40,9 +40,9 @@ def why(cause: str, before: Member, after: Member, cells: Cells) -> str:
     if cause == "force_offset":
         return f"far from the taxel the readings stay at {after.values['offset']:.3g} N instead of zero"
     if cause == "drift":
-        return f"from the first row to the last, {after.values['drift']:.3g} N creep in at all distances alike"
+        return f"from the first row to the last, the readings drift by {after.values['drift']:.3g} N, at all distances alike"
     if cause == "saturation":
-        return f"readings pile up at {after.values['ceiling']:.3g} N, whatever the depth"
+        return f"readings are clipped at {after.values['ceiling']:.3g} N, whatever the depth"
     return ""
 
 
@@ -54,7 +54,7 @@ def _law(before: Member, after: Member) -> str:
     miss = np.abs(float(np.mean(before.k)) * level(before.values, z, before.scale) - bent)
     return (
         f"force per depth goes from {stiffness[0]:.3g} N/mm at {mm(z[0])} to {stiffness[1]:.3g} N/mm at {mm(z[1])}; one stiffness for all "
-        f"depths misses {miss[1]:.2g} N at the deepest and {miss[0] / max(bent[0], 1e-12):.0%} at a tenth of that"
+        f"depths is wrong by {miss[1]:.2g} N at the deepest and {miss[0] / max(bent[0], 1e-12):.0%} at a tenth of that"
     )
 
 

@@ -44,7 +44,7 @@ def _shared(search: Search) -> list[Named]:
 
 def _exchanged(search: Search, finding: Named) -> bool:
     """Whether something explains more in the place of `finding`, and was put there."""
-    search.progress(f"asking again what {finding.cause} in the {finding.where} stands for")
+    search.progress(f"testing whether another cause explains more than {finding.cause} in the {finding.where}")
     ahead, key = _without(search, finding), finding.key
     last = ahead.look()
     explained = _explained(search.present, ahead)
@@ -104,7 +104,7 @@ def _for_rival(search: Search, finding: Named) -> bool:
 def _taken(search: Search, finding: Named, rival: Rival, own: tuple[Effect, ...]) -> bool:
     """Whether the `own` effects of a rival were put in the place of `finding`: beside the rival another cause is believed, and the rival
     beside it."""
-    search.progress(f"asking what {rival.cause} in the {rival.where} would leave")
+    search.progress(f"testing {rival.cause} in the {rival.where} with a second cause instead")
     rest = lacking(search.present.model, *finding.key)
     ahead = _ahead(search, finding, replace(rest, effects=(*rest.effects, *own)))
     last, alone = ahead.look(), ahead.present

@@ -24,7 +24,7 @@ from skin_models.parameter import AMPLITUDE, parameters_of
 
 FINER = "an encoder, and converters, with finer steps and less noise"
 CROSSES = 3.0  # standard deviations of a resting force that count as the reach of its noise
-TRUER = "a stage that is known to be truer, and touches that begin and end in free air"
+TRUER = "a stage of known, higher accuracy, and touches that begin and end in free air"
 
 
 def converter_does(claim: Claim) -> NotNamed | None:
@@ -32,7 +32,7 @@ def converter_does(claim: Claim) -> NotNamed | None:
     if not (claim.gain.passed and of_the_converter(claim)):
         return None
     step = converter_step(claim.train, claim.channel)
-    why = f"it would {_worth(claim.gain)}, which a converter with steps of {step:.2g} N may do by itself"
+    why = f"it would {_worth(claim.gain)}, but a converter with steps of {step:.2g} N may cause as much by itself"
     return _usual(why, f"a {claim.channel} read in finer steps, or a larger force")
 
 
@@ -42,15 +42,15 @@ def stage_is_off(effects: list[Effect], gain: Gain) -> NotNamed | None:
     if not (lengths and gain.passed):
         return None
     found, least = (_micrometres(max(of(p) for p in lengths)) for of in (lambda p: abs(p.value), lambda p: p.negligible))
-    return _usual(f"it would be {found} and {_worth(gain)}, but a good stage is true to no more than {least}", TRUER)
+    return _usual(f"it would be {found} and {_worth(gain)}, but even a good stage is accurate to no better than {least}", TRUER)
 
 
 def encoder_does(claim: Claim, noise: Whitener, encoder_step: float) -> NotNamed | None:
     """Why a cause that gains is no finding, where noise of the driving signal does as much, where the encoder could not tell the size of
     the cause, or where steps leave as much open; else None."""
     if of_the_drive(claim):
-        worth = f"it would {_worth(claim.gain)}, mostly while the driving force rests or little of what there is"
-        return _usual(f"{worth}: the noise of that force may do it", "a depth beside the force, or a load cell with less noise")
+        worth = f"it would {_worth(claim.gain)}, but mostly while the driving force rests, or only a small part of the error"
+        return _usual(f"{worth}: the noise of that force may cause as much", "a depth beside the force, or a load cell with less noise")
     return too_short(claim.key, claim.after, encoder_step) or _drive_crosses(claim) or steps_do(claim, noise, encoder_step)
 
 
@@ -63,7 +63,7 @@ def _drive_crosses(claim: Claim) -> NotNamed | None:
     applied = max(e.threshold for e in instances(model, *claim.key)) * stiffness(model, "force") / max(felt, 1e-9)
     rest = np.concatenate([s.drive[drive_rests(s)] for s in claim.train])
     reach = max(tare_of_drive(claim.train).leaves, CROSSES * float(np.sqrt(np.mean(rest**2))) if rest.size else 0.0)
-    why = f"it would swallow {applied:.2g} N of the applied force, and noise and zero of that reach as far as {reach:.2g} N"
+    why = f"it would take away {applied:.2g} N of the applied force, but noise and zero error of this force are up to {reach:.2g} N"
     return _usual(why, "a load cell with finer steps and less noise, or a depth beside the force") if applied <= reach else None
 
 
@@ -80,9 +80,9 @@ def steps_do(claim: Claim, noise: Whitener | None, encoder_step: float) -> NotNa
         return None
     worth = f"it would {_worth(claim.gain)}"
     if not encoder_step:
-        return _usual(f"{worth}, which the converters may leave open", "converters with finer steps")
+        return _usual(f"{worth}, but the steps of the converters may cause as much", "converters with finer steps")
     step = _micrometres(encoder_step)
-    return _usual(f"{worth}, which the encoder (no finer than {step}) and the converters may leave open", FINER)
+    return _usual(f"{worth}, but the steps of the encoder (no finer than {step}) and of the converters may cause as much", FINER)
 
 
 def stage_does(run: Run, encoder_step: float) -> NotNamed:
@@ -90,7 +90,7 @@ def stage_does(run: Run, encoder_step: float) -> NotNamed:
     if run.course.carrier == DEPTH:
         return zeros_do(run.largest, encoder_step)
     found, least = (f"{1e3 * x:.3g} ms" for x in (run.largest, run.least(encoder_step)))
-    return _usual(f"within single sessions the delay would step by {found}, and good hardware does up to {least} by itself")
+    return _usual(f"within single sessions the delay would step by {found}, but good hardware steps by up to {least} by itself")
 
 
 def zeros_do(largest: float, encoder_step: float) -> NotNamed:
@@ -98,29 +98,29 @@ def zeros_do(largest: float, encoder_step: float) -> NotNamed:
     why, least = f"within single sessions the zero of depth would step by {_micrometres(largest)}", _micrometres(least_depth(encoder_step))
     if encoder_step >= AT_REST:
         return _usual(f"{why}, but the encoder reads no finer than {least}", FINER, own_zero=True)
-    return _usual(f"{why}, and good hardware does up to {least} by itself", own_zero=True)
+    return _usual(f"{why}, but good hardware steps by up to {least} by itself", own_zero=True)
 
 
 def tare_does(largest: float, tare: Tare) -> NotNamed:
     """Why zeros of sessions' own, the `largest` of them in N, are no finding: a `tare` sets them no better."""
     off = f"the zeros of single sessions are off by up to {largest:.2g} N"
     needs = "a converter with finer steps, and tares of many seconds in free air"
-    return _usual(f"{off}, as {tare.said} may leave them", needs, own_zero=True)
+    return _usual(f"{off}, but {tare.said} may leave as much", needs, own_zero=True)
 
 
 def specimens_do(largest: Mapping[str, float]) -> NotNamed:
     """Why skin parameters of sessions' own are no finding; `largest` is the largest relative departure of each by name."""
     off = ", ".join(f"{name} by up to {100.0 * share:.2g} %" for name, share in largest.items())
-    needs = "sessions of one specimen in one place and at one temperature, or the numbers of each"
-    return _usual(f"the skin of single sessions is another ({off}), as that of specimens, temperatures and places is", needs)
+    needs = "sessions of one specimen in one place and at one temperature, or separate parameters for each session"
+    return _usual(f"the skin differs between sessions ({off}), as it does between specimens, temperatures and places", needs)
 
 
 def skin_does(run: Run) -> NotNamed:
     """Why a gain, or a zero of depth, of sessions' own is no finding: a skin that is another in each of them explains as much or more."""
     depth = run.course.carrier == DEPTH
     what, off = ("zeros of depth", _micrometres(run.largest)) if depth else ("gains", f"{100.0 * run.largest:.2g} %")
-    why = f"the {what} of single sessions would be off by up to {off}, as a skin that is another in each of them may feign"
-    return _usual(f"{why}: these sessions do not show which of both it is", "many sessions of one specimen in one place, with taxels")
+    why = f"the {what} of single sessions would be off by up to {off}, but a skin that differs from session to session may look the same"
+    return _usual(f"{why}: these sessions do not show which of the two it is", "many sessions of one specimen in one place, with taxels")
 
 
 def no_other_does(key: Key, why: NotNamed) -> NotNamed:

@@ -34,7 +34,7 @@ def _alone(trial: Trial) -> float:
 def _leads_further(search: Search, first: Trial, best: Trial) -> bool:
     """Whether `first` and the cause that explains most beside it explain more than the `best` with its several instances; clearly more
     where these are of one law. That other cause must not be the one of the `best`."""
-    search.progress(f"asking what is beside {first.key[0]} in the {first.key[1]}")
+    search.progress(f"looking for a further cause beside {first.key[0]} in the {first.key[1]}")
     ahead = search.ahead(first.fit)
     following = ahead.trials(ahead.look())
     if not following or following[0].key[0] == best.key[0]:

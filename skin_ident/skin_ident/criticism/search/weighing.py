@@ -161,7 +161,7 @@ def mass_warnings(mass: float, before: float, declared: bool) -> Iterator[str]:
     force = abs(mass - before) * GRAVITY
     if declared and mass < before and before >= HANGS:
         yield (
-            f"the model's mass was fitted, {mass:.3g} kg: with the declared one ({before:.3g} kg) leaning on the skin the record cannot be "
+            f"the model's mass was fitted, {mass:.3g} kg: with the declared one ({before:.3g} kg) resting on the skin the record cannot be "
             f"explained, since its weight would take {force:.3g} N from the load cell while the plunger touches. It is taken to hang on a "
             "load cell that was tared with it, and to be felt by its inertia alone"
         )

@@ -96,7 +96,7 @@ def _symptom(s: Session, one: str, other: str, mask: np.ndarray) -> Symptom:
     start, seconds = float(t[0]), float(t[-1] - t[0])
     why = (
         f"{one} and {other} are exchanged in {s.name} from {start:.1f} s on for {seconds:.3g} s: each follows there what the model says of "
-        "the other, and no other channel leaves it"
+        "the other, and every other channel agrees with the model"
     )
     evidence = {"why": why, "kind": EXCHANGED, "pieces": [{"session": s.name, "start": start, "seconds": seconds}]}
     where = sensor_of("force", s.n_taxels) if "force" in (one, other) else "taxel"

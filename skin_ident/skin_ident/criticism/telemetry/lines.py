@@ -204,7 +204,7 @@ def _line(rows: list[np.ndarray], near: float, tall: float, dt: float) -> Line:
 
 def _symptom(channel: str, lines: list[Line], where: dict[str, Any], n_taxels: int, sessions: int) -> Symptom:
     first = lines[0]
-    stands = f"a line at {first.frequency:.3g} Hz stands {first.tall:.0f} times over the background of {channel}"
+    stands = f"a line at {first.frequency:.3g} Hz in the spectrum is {first.tall:.0f} times the background of {channel}"
     others = ", ".join(f"{q.frequency:.3g} Hz ({q.amplitude:.2g} N)" for q in lines[1:])
     there = where.get("pattern", f"in {counted(sessions, 'session')}")
     why = f"{stands} {there}" + (f"; so do lines at {others}" if others else "")

@@ -93,7 +93,7 @@ def _symptom(recordings: list, i: int, ratio: Ratio) -> Symptom:
     channel, n = f"taxel_{i}", len(recordings[0].taxels)
     taxel = sensor_of(channel, n)
     reads = f"{channel} reads {ratio.value:.3g} ± {ratio.std:.2g} times the force that the load cell says is applied"
-    why = "; ".join([f"{reads}, and a skin leads at most all of it through a taxel", *_guesses(channel, ratio.value)])
+    why = "; ".join([f"{reads}, and no taxel can receive more than the applied force", *_guesses(channel, ratio.value)])
     evidence = {"why": why, "kind": KIND, "ratio": ratio.value, "std": ratio.std}
     rivals = (("gain_error", "load_cell"), ("gain_error", taxel), ("data_error", taxel))
     rivals += (("crosstalk", taxel),) if n > 1 else ()

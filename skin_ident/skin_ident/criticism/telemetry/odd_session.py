@@ -100,7 +100,7 @@ def _upright(recordings: list) -> tuple[list, list[Symptom]]:
         follows = [_follows(r, channel) for r in recordings]
         if max(follows) < AGAINST:
             falls = f"{channel} falls while the load rises in all sessions (correlation {follows[0]:.2f} in {recordings[0].name})"
-            evidence = {"why": f"{falls}: its sign is wrong. It is judged turned round", "kind": "sign"}
+            evidence = {"why": f"{falls}: its sign is wrong. It is judged with its sign reversed", "kind": "sign"}
             where = sensor_of(channel, len(recordings[0].taxels))
             symptoms.append(Symptom("data_error", where, (channel,), {"factor": quantity(-1.0, "1")}, evidence))
             recordings = [r.scaled({channel: -1.0}) for r in recordings]
@@ -212,7 +212,7 @@ def _beside(logs: np.ndarray, i: int, c: int) -> float:
 
 def _of_channel(group: list, i: int, channel: str, factor: float, why: str, kind: str) -> _Fault:
     r = group[i]
-    mended = "turned round" if factor < 0.0 else f"divided by {factor:.5g}"
+    mended = "with its sign reversed" if factor < 0.0 else f"divided by {factor:.5g}"
     evidence = {"why": f"{why}. {r.name} is judged with {channel} {mended}", "kind": kind, "session": r.name}
     symptom = Symptom("data_error", sensor_of(channel, len(r.taxels)), (channel,), {"factor": quantity(factor, "1")}, evidence)
     return _Fault(symptom, i, r.scaled({channel: 1.0 / factor}))

@@ -36,7 +36,7 @@ def in_other_units(own: list[Piece], sessions: list[Session], rest: list[np.ndar
     if not own:  # pieces too short for most samples about them to tell
         return None
     times = f"{own[0].channel} reads {factor:.4g} times what it should, a factor of units"
-    why = f"{times}, while every other channel stays with the model: {pieces_in_words(own)}"
+    why = f"{times}, while every other channel agrees with the model: {pieces_in_words(own)}"
     evidence, numbers = {"why": why, "kind": UNIT_CHANGE}, {"factor": quantity(factor, "1")}
     bad = {(s.name, own[0].channel): mask for s in sessions if (mask := samples_of(own, s)).any()}
     return Symptom("data_error", sensor_of(own[0].channel, sessions[0].n_taxels), (own[0].channel,), numbers, evidence, bad)

@@ -62,8 +62,8 @@ def clipped_peaks(own: list[Piece], sessions: list[Session], rest: list[np.ndarr
     where = sensor_of(channel, sessions[0].n_taxels)
     seconds, beyond = max(p.seconds for p in own), max(p.size for p in own)
     why = (
-        f"{channel} stays at {level:.4g} N, its greatest reading, in {len(own)} peaks of up to {seconds:.2g} s, while what the others "
-        f"say goes on by up to {beyond:.3g} N"
+        f"{channel} stays at {level:.4g} N, its greatest reading, in {len(own)} peaks of up to {seconds:.2g} s, while the other "
+        f"channels say that it should rise further, by up to {beyond:.3g} N"
     )
     evidence = {"why": why, "pieces": [{"session": p.session, "start": p.start, "seconds": float(p.seconds)} for p in own]}
     parameters = {"level": quantity(level, "N")}

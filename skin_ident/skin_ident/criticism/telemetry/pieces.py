@@ -143,7 +143,7 @@ def _told(own: list[Piece], clipped: Symptom | None, sessions: list[Session]) ->
 
 def _symptom(own: list[Piece], sessions: list[Session]) -> Symptom:
     first = own[0]
-    why = f"{first.channel} leaves the model by {first.size:.3g} N while every other channel stays with it: {pieces_in_words(own)}"
+    why = f"{first.channel} differs from the model by {first.size:.3g} N while every other channel agrees with it: {pieces_in_words(own)}"
     parameters = {"pieces": quantity(len(own), "1"), "size": quantity(max(p.size for p in own), "N")}
     evidence = {"why": why, "pieces": [{"session": p.session, "start": p.start, "seconds": float(p.seconds)} for p in own]}
     bad = {(s.name, first.channel): samples_of(own, s) for s in sessions if any(p.session == s.name for p in own)}

@@ -37,7 +37,7 @@ def find_saturation(
             continue
         if np.median(model[at] - y[at]) < BEYOND * max(width, 1e-9) and not _stands(y, model, at):
             continue
-        why = f"{int(at.sum())} samples of {channel} sit at {level:.4g} N in {_visits(at)} visits while the load goes on rising"
+        why = f"{int(at.sum())} samples of {channel} stay at {level:.4g} N in {_visits(at)} touches while the load goes on rising"
         bad = {(name, channel): r[c] >= y[at].min() for name, r in zip(names, raw, strict=True) if np.any(r[c] >= y[at].min())}
         found.append(Symptom("saturation", sensor_of(channel, n_taxels), (channel,), {"level": quantity(level, "N")}, {"why": why}, bad))
     return found

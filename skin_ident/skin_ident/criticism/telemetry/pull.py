@@ -200,5 +200,5 @@ def _symptom(model: Model, session: Session, dips: np.ndarray, carried: np.ndarr
         "reach": quantity(max(float(np.percentile(np.abs(depths), 90)), 1e-5), "m"),
     }
     sizes = ", ".join(f"{pull[c]:.3g} N in {name}" for c, name in zip(carried, names, strict=True))
-    why = f"at {len(dips)} of {of} leavings the reading falls below what it is in the air, by {sizes}: no contact pulls without adhesion"
+    why = f"at {len(dips)} of {of} withdrawals the reading falls below its value in the air, by {sizes}: no contact pulls without adhesion"
     return Symptom("adhesion", "skin", tuple(names), parameters, {"why": why, "leavings": of, "pulled": len(dips)})

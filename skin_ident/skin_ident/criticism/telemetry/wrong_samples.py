@@ -51,10 +51,10 @@ def told(
     runs_still, runs_away = (sum(runs(m)[0].size for m in each) for each in (stood, ran))
     what = [
         f"{runs_away} excursions that jump away and back" if runs_away else "",
-        f"{runs_still} frozen runs that miss a movement" if runs_still else "",
+        f"{runs_still} runs of frozen samples during a movement" if runs_still else "",
     ]
     belong = f"{count} of {total} samples of {channel} belong to {' and '.join(w for w in what if w)}"
-    why = f"{belong}, up to {largest:.3g} N from where the samples around them lead"
+    why = f"{belong}, up to {largest:.3g} N from what the samples around them say"
     bad = {(name, channel): a | s for name, a, s in zip(names, away, still, strict=True) if (a | s).any()}
     rate = (runs_still + runs_away) / (sum(a.size for a in away) * dt)
     parameters = {"rate": quantity(rate, "1/s"), "size": quantity(rms(wrong), "N")}

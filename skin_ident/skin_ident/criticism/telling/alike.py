@@ -42,7 +42,7 @@ def _in_turn(own: list[dict[str, Any]]) -> dict[str, Any]:
     """One entry in place of several for the same two columns, exchanged in different sessions."""
     pieces = [p for e in own for p in e["evidence"]["pieces"]]
     where = listed([f"in {p['session']} from {p['start']:.1f} s on for {p['seconds']:.3g} s" for p in pieces])
-    stays = "each follows there what the model says of the other, and no other channel leaves it"
+    stays = "each follows there what the model says of the other, and every other channel agrees with the model"
     why = f"{listed(own[0]['channels'])} are exchanged {where}: {stays}"
     lasts = {"lasts": {"value": sum(p["seconds"] for p in pieces), "unit": "s"}}
     return {**own[0], "parameters": lasts, "evidence": {**own[0]["evidence"], "why": why, "pieces": pieces}}

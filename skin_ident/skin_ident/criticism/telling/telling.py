@@ -90,14 +90,14 @@ def _more_than_applied(c: Criticism) -> list[str]:
         return []
     return [
         f"the strongest taxel reads {share:.3g} times the force that is applied: one of the two is in another unit, or wrongly "
-        "calibrated; causes are judged all the same, but stiffnesses and damping mean nothing"
+        "calibrated; causes are still judged, but the values of stiffness and damping mean nothing"
     ]
 
 
 def _more_than_noise(above: dict[str, float]) -> list[str]:
     return [
-        f"{channel}: what is left is {times:.2g} times the noise, as the air tells it, or what is left where every cause may bend every "
-        "session by itself; no cause that could be named accounts for it"
+        f"{channel}: the remaining error is {times:.2g} times the noise, as measured in the air, or as what is left when every cause is "
+        "fitted to every session by itself; no cause that could be named accounts for it"
         for channel, times in above.items()
     ]
 
@@ -126,10 +126,10 @@ def _simulated(symptom: Symptom, predicts: bool) -> dict[str, Any]:
     """Whether the extended model contains the fault and predicts data with it, in fields and as a sentence."""
     effect = effect_of(symptom)
     if symptom.evidence.get(UNLIKE):
-        why = "the simulated skin does it in another way, which would be further from the record than none"
+        why = "the effect of the simulated skin has another form, which would fit the record worse than none"
         return {"simulated": f"no: {why}", "in_model": False}
     if effect is None:
-        return {"simulated": "no: the simulated chain has no place for this", "in_model": False}
+        return {"simulated": "no: the simulated skin has no effect for this", "in_model": False}
     has = {"in_model": True, "forms": [type(effect).__name__]}
     if predicts:
         return {"simulated": "yes, and held-out data are predicted with it", **has}
@@ -172,5 +172,5 @@ def _compared(name: str, c: Criticism) -> dict[str, Any]:
         return {}
     seen = told[1]
     kept, out = int(seen.sum()), int((~seen).sum())
-    because = "plunger and skin may have parted or met with a jump, the record is wrong there, or it begins in contact and the skin relaxes"
+    because = "contact may have been lost or regained there, the record is wrong there, or it begins in contact and the skin still relaxes"
     return {"compared": {"samples": kept, "left_out": out, **({"because": because} if out else {})}}

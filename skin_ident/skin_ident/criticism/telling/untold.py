@@ -6,9 +6,9 @@ from typing import Any
 from skin_ident.criticism.vocabulary import CAUSES, Key
 from skin_models.catalogue import effects
 
-NEEDS = "an encoder, or a known load on the load cell"
-OF_LOAD_CELL = "the force drives the simulation: without a depth a load cell is not told from taxels and skin"
-OF_DEAD = "the taxel is dead: what else may be wrong with it does not show"
+NEEDS = "the depth (encoder), or a known load on the load cell"
+OF_LOAD_CELL = "the force drives the simulation: without a depth, the load cell cannot be distinguished from taxels and skin"
+OF_DEAD = "the taxel is dead: other faults of it cannot be seen"
 SEEN = ("outliers", "quantization")  # visible in the force itself, also where it drives the test
 # Causes that a dead taxel does not hide: they show in its readings or in other taxels, or say that it is dead.
 NOT_HIDDEN = ("interference", "outliers", "crosstalk", "dead_taxel")
@@ -32,7 +32,7 @@ def with_dead_untold(untestable: list[dict[str, Any]], dead: Iterable[str]) -> l
     """The entries `untestable` with one for every cause that a taxel may have, for each taxel that is `dead`."""
     untold = [(cause, where) for where in dead for cause in _causes_of("taxel") if cause not in NOT_HIDDEN]
     kept = [e for e in untestable if (e["cause"], e.get("where")) not in untold]
-    needs = "the taxel replaced, or its plug and wire mended"
+    needs = "the taxel replaced, or its connector and wire repaired"
     return kept + [{"cause": cause, "where": where, "because": OF_DEAD, "needs": needs} for cause, where in untold]
 
 
