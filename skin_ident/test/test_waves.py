@@ -13,6 +13,9 @@ from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.courses.carriers import ZERO
 from skin_ident.criticism.courses.waves import EXCESS, LOW, _line, find_wave, run_of
 from skin_ident.criticism.noise.whitening import white
+from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.state import Search
+from skin_ident.criticism.search.wandering import take_wave
 from skin_ident.criticism.sessions.parting import without_parting
 from skin_ident.criticism.sessions.session import prepare, with_reference
 from skin_ident.recordings.load import load
@@ -77,6 +80,17 @@ def test_a_zero_that_wanders_is_found_and_said_for_each_session(tmp_path):
     assert wave.course.key == ("drift", "load_cell") and gain.channel == "force" and gain.ci95[0] > 0.0
     said = run_of(wave, model, sessions, 0.0).said
     assert len(said) == 3 and all("wanders from" in words for words in said.values())
+
+
+@pytest.mark.parametrize(("times", "named"), [(2.0, True), (20.0, False)])
+def test_a_wave_beside_a_far_larger_effect_of_its_channel_is_what_that_leaves(tmp_path, times, named):
+    (_, gain), model, sessions = found(tmp_path, "force")
+    search = Search(sessions[:2], sessions[2:], (), lambda stage: None)
+    search.noise = white([residual(model, s) for s in sessions[:2]])
+    search.present = fit(model, sessions[:2], search.noise)
+    before = np.sqrt(gain.after**2 + times * gain.squares)
+    search.named = [Named("hysteresis", "load_cell", replace(gain, before=float(before)), 1e4, ())]
+    assert take_wave(search) == named and len(search.named) == 1 + named
 
 
 def test_what_wanders_in_all_channels_alike_is_no_sensor(tmp_path):

@@ -26,6 +26,7 @@ SURELY = 0.25  # share of the fall of the mean square that its lower bound must 
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of causes were compared
 DOUBTLESS = 2.0  # times the least gain worth naming, which the best trial must explain for a second opinion, or to be in doubt
 ALL = 0.9  # share of what the richest set of directions explains, which a cause must explain that is small beside others
+LEFT = 0.02  # share of what a named cause explains at the same place, which its imperfect form may leave for one other cause to explain
 FAINT = 0.012  # share of the fall in squares by others that it must exceed as well to be named: more than a ninth of their size
 FAR_LESS = 0.6  # share of the score of a trial that held-out data nearly support; one with less is not believed in its place
 SMALL, OF_ITS_OWN = 0.3, 0.1  # a trial below SMALL of what a named cause explains must explain OF_ITS_OWN that more of the named would not
@@ -98,12 +99,13 @@ def believed_in_part(search: Search, trial: Trial, gain: Gain) -> bool:
 
 def _explains_all(search: Search, trial: Trial) -> bool:
     """Whether a trial of one instance explains nearly all that anything explains of the residual. Then it is no leftover of another cause's
-    imperfect form, since no single cause has the form of such a leftover. A trial that explains much more than small amounts of everything
-    is no small effect: it leads the fit out of a false minimum."""
+    imperfect form, since no single cause has the form of such a leftover, unless that cause explains far more at the same place. A trial
+    that explains much more than small amounts of everything is no small effect: it leads the fit out of a false minimum."""
     if trial.plainer is not None:
         return False
     everything = search.survey().explained_by_everything
-    return ALL * everything < trial.score < everything / ALL
+    there = max((n.explained for n in search.named if n.where == trial.key[1]), default=0.0)
+    return ALL * everything < trial.score < everything / ALL and trial.score > LEFT * there
 
 
 def _mends_a_form(search: Search, trial: Trial) -> bool:

@@ -13,7 +13,8 @@ from skin_ident.criticism.sessions.session import Session
 
 
 def take_wave(search: Search) -> bool:
-    """Name one wave and give every session its own; return whether there was one. `search` is the state of `criticise`."""
+    """Name one wave and give every session its own; return whether there was one. `search` is the state of `criticise`. A wave that is
+    small beside what a named cause explains in its channel is what that cause's imperfect form leaves."""
     model = search.present.model
     found = find_wave(model, search.train, search.held, search.noise)
     if found is None or any(r.course == found[0].course for r in search.runs):
@@ -21,7 +22,7 @@ def take_wave(search: Search) -> bool:
     wave, gain = found
     after = fit(model, added(search.train, wave.values), search.noise)
     shows = believed(gain, wave.course) and wave.course.shows(gain)
-    if not shows or search.steps_do(wave.course.key, gain, after.model):
+    if not shows or search.shadows(gain) or search.steps_do(wave.course.key, gain, after.model):
         return False
     run = run_of(wave, model, [*search.train, *search.held], search.present.cost - after.cost)
     search.runs.append(run)
