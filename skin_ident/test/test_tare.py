@@ -3,14 +3,18 @@
 from dataclasses import replace
 
 import numpy as np
-from gate_records import DEPTH, PLAIN, recorded
+from gate_records import DEPTH, PLAIN, QUICK, recorded
 
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.courses.course import added
 from skin_ident.criticism.courses.tare import added_by, zeros
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.gates.resolution import RESOLVED
 from skin_ident.criticism.noise.whitening import fit_whitener
+from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.state import Search
+from skin_ident.criticism.search.tared import settle_zeros, take_zeros, untared
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.criticism.telling.leftover import Rest
 
@@ -57,6 +61,38 @@ def test_larger_zeros_are_no_tare():
     noise = fit_whitener([residual(PLAIN, s) for s in sound], sound)  # zeros that the noise held would be noise that wanders
     found, fall = zeros(PLAIN, whole, noise, free=False)
     assert fall == 0.0 and not any(z.any() for z in found.values())
+
+
+def _searched() -> Search:
+    """A search that has taken the zeros of `sessions`, the third of which is held out."""
+    whole, sound = ([prepare(r) for r in sessions(scale)] for scale in (1.6, 0.0))
+    search = Search(whole[:2], whole[2:], (), lambda stage: None)
+    search.noise = fit_whitener([residual(PLAIN, s) for s in sound], sound)
+    search.present = fit(PLAIN, search.train, search.noise)
+    assert take_zeros(search) and not take_zeros(search) and not settle_zeros(search)
+    return search
+
+
+def test_zeros_are_asked_for_again_beside_what_was_named_since():
+    """Such as a gain that steps: they had taken up a part of it."""
+    search = _searched()
+    taken_up = {
+        s.name: 0.008 * sign * np.array([[0.0], [1.0]]) * np.ones(s.motion.t.size) for s, sign in zip(search.train, (1, -1), strict=True)
+    }
+    search.train = added(search.train, taken_up)
+    search.named.append(Named("gain_error", "taxel", QUICK, 100.0, ()))
+    assert settle_zeros(search) and not settle_zeros(search)
+    left = [residual(search.present.model, s)[1].mean() for s in search.train]
+    assert np.ptp(left) < 0.004  # 16 mN before
+
+
+def test_a_course_of_a_held_out_session_is_fitted_without_its_zeros():
+    search = _searched()
+    (held,), (bare,) = search.held, untared(search)
+    model = search.present.model
+    assert np.abs(residual(model, held).mean(axis=1)).max() < 0.005
+    assert np.allclose(residual(model, bare).mean(axis=1), 1.6 * np.array(OFF[2]), atol=0.006)
+    assert untared(search) is search.held  # they are taken back once
 
 
 def test_zeros_within_a_step_are_nothing_wrong():
