@@ -2,13 +2,16 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from gate_records import PLAIN, recorded
 from rows import rows
 from world import make_sessions, without, write_case
 from world.hidden import Hide
 
 from skin_ident.criticism.diagnose import diagnose
-from skin_ident.criticism.search import partly
+from skin_ident.criticism.search import own_skin, partly
+from skin_ident.criticism.sessions.session import prepare
 from skin_ident.recordings.load import load
 
 SESSIONS, HELD = 5, 4
@@ -98,3 +101,10 @@ def test_what_all_sessions_have_is_found_beside_skin_that_differs(tmp_path):
     every = load(tmp_path)
     findings = diagnose(every[:2], every[2:]).findings
     assert [(f["cause"], f["where"]) for f in findings["findings"]] == [("lag", "taxel")]
+
+
+@pytest.mark.parametrize(("spread", "off"), [(None, 0.06), (np.ones(1), 0.0)])
+def test_where_taxels_have_shares_of_a_sessions_own_the_load_cell_alone_shows_another_skin(spread, off):
+    """These take up any stiffness: at the edge of an array the taxels feel less, while the whole skin is the same."""
+    session = replace(prepare(recorded(PLAIN)), spread=spread, skin={"k1": 1.06, "k2": 1.0 - 0.06 * 3.0})
+    assert own_skin._off(PLAIN, session) == pytest.approx(off, abs=1e-9)

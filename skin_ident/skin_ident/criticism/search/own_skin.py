@@ -161,9 +161,10 @@ def tell_of_skin(search: Search) -> None:
 
 
 def _off(model: Model, s: Session) -> float:
-    """Largest relative deviation of the stiffness of any channel in a session from the shared one."""
-    own = placed(model, replace(s, spread=None))
-    return max(abs(stiffness(own, c) / stiffness(model, c) - 1.0) for c in s.channels if stiffness(model, c) > 0.0)
+    """Largest relative deviation of the stiffness of any channel in a session from the shared one. Where taxels have shares of a session's
+    own, which take up any stiffness, only the load cell shows it."""
+    own, channels = placed(model, replace(s, spread=None)), s.channels if s.spread is None else ("force",)
+    return max((abs(stiffness(own, c) / stiffness(model, c) - 1.0) for c in channels if stiffness(model, c) > 0.0), default=0.0)
 
 
 def _gain(search: Search) -> Gain:
