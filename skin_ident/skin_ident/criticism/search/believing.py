@@ -104,8 +104,12 @@ def _explains_all(search: Search, trial: Trial) -> bool:
     if trial.plainer is not None:
         return False
     everything = search.survey().explained_by_everything
-    there = max((n.explained for n in search.named if n.where == trial.key[1]), default=0.0)
-    return ALL * everything < trial.score < everything / ALL and trial.score > LEFT * there
+    return ALL * everything < trial.score < everything / ALL and trial.score > LEFT * _explained_at(search, trial.key[1])
+
+
+def _explained_at(search: Search, where: str) -> float:
+    """The most that a named cause explains at a place; 0 where none is named there."""
+    return max((n.explained for n in search.named if n.where == where), default=0.0)
 
 
 def _mends_a_form(search: Search, trial: Trial) -> bool:
@@ -119,8 +123,7 @@ def _mends_a_form(search: Search, trial: Trial) -> bool:
 def _mends_a_history(search: Search, trial: Trial) -> bool:
     """Whether what the skin of some sessions would have explains little beside what is named of the skin of all. Sessions differ in what
     was done to a skin before, and no form of softening or loop remembers quite as a skin does."""
-    of_skin = max((n.explained for n in search.named if n.where == "skin"), default=0.0)
-    return trial.key[1] == "skin" and trial.score < SMALL * of_skin
+    return trial.key[1] == "skin" and trial.score < SMALL * _explained_at(search, "skin")
 
 
 def _forms(trials: list[Trial]) -> Iterator[Trial]:

@@ -80,10 +80,9 @@ def _worth(search: Search, run: Run, whole: float) -> float:
 def take_own_skin_at_last(search: Search, explained: float) -> bool:
     """The same where neither cause nor course is believed though some explain more, if no parameter strays farther than skin does. The
     right cause fails in held-out sessions as long as the model has the skin of others there."""
-    least = search.least(search.present.count)
-    if explained <= max(LEAST, reach(least)) or np.abs(_of_train(search)[0]).max() > NATURAL:
+    if explained <= LEAST or np.abs(_of_train(search)[0]).max() > NATURAL:
         return False
-    return take_own_skin(search, explained, least, [])
+    return take_own_skin(search, explained, search.least(search.present.count), [])
 
 
 def too_few_for_a_pattern(sessions: list[Session]) -> bool:

@@ -85,7 +85,7 @@ class Search:
     doubting: bool = False  # held-out sessions alone decide, because a cause was taken for granted
     alone: bool = False  # something that is wrong in held-out sessions alone was found
     own_skin: bool = False  # the skin may differ from session to session
-    zeroed: int | None = None  # the number of findings beside which zeros as good hardware leaves them were last asked for
+    zeroed: int | None = None  # number of findings beside which zeros as good hardware leaves them were last asked for; None: none taken
     zeros_of_held: dict[str, np.ndarray] = field(default_factory=dict)  # what these add to held-out sessions, (C, N) N by session
     refused: float = 0.0  # what the best cause would explain that was not believed in the last round
     wandering: float = 0.0  # the highest score in training of a course that then predicted nothing

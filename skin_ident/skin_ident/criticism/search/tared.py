@@ -75,8 +75,8 @@ def _take(search: Search, found: Zeros, shared: Zeros) -> None:
     search.present = fit(model, search.train, search.noise)
     held, model = search.held, search.present.model
     others = shared or (zeros(model, held, search.noise, search.encoder_step, free=False)[0] if held else {})
-    more = added_by(others, model, held) if others else {}
-    search.held = added(held, more) if more else held
+    more = added_by(others, model, held)
+    search.held = added(held, more)
     search.zeros_of_held |= {name: zero + search.zeros_of_held.get(name, 0.0) for name, zero in more.items()}
     _said(search, found | others)
 
