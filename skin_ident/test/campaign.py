@@ -5,7 +5,7 @@ error over that of an oracle that knows the noise-free signal, and the time. A c
 `admitted` when it is among the alternatives of a finding, or the name is one of the rivals that carry the same equations; `untestable` when
 the cause is listed as such and nothing else is named than what is hidden; `bounded` when nothing else is named and the report bounds it no
 closer than declared calibrations and widths allow; `too small` when it is not found and the world could not make it nearly as
-large as was asked.
+large as was asked, or another hidden effect leaves next to nothing of it, as a dead taxel does.
 """
 
 import argparse
@@ -136,7 +136,7 @@ def _word(hidden, findings, alike: list, meant: set[str]) -> str:
         return "wrong"
     if any(e["cause"] == hidden.cause and e.get("limited_by") and _same_place(e["where"], hidden.where) for e in findings["excluded"]):
         return "bounded"
-    return "missed" if np.max(hidden.visible) > LEAST * hidden.size else "too small"
+    return "missed" if min(np.max(hidden.visible), hidden.beside) > LEAST * hidden.size else "too small"
 
 
 def _about(reason, hidden) -> bool:

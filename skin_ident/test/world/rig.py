@@ -130,9 +130,10 @@ class Rig:
                 out.taxels[:, c] += noise.draw(self.stream(3, number, 1 + c), out.taxels[:, c], self.taxel_steps[c])
 
     def noise_rms(self):
-        """Noise and converter together: {"force": N, "taxels": [N, …]}."""
-        level = np.hypot(self.noise.level, 12**-0.5)
-        return {"force": float(level * FORCE_STEP), "taxels": [float(level * s) for s in self.taxel_steps]}
+        """Noise and converter together with what the encoder's noise comes to: {"force": N, "taxels": [N, …]}."""
+        level, skin = np.hypot(self.noise.level, 12**-0.5), self.skin
+        force = np.hypot(level * FORCE_STEP, self.jitter * skin.stiffness)
+        return {"force": float(force), "taxels": np.hypot(level * self.taxel_steps, self.jitter * skin.k1 * skin.shares()).tolist()}
 
     def declared(self, noise=False):
         """What `rig.yaml` says; with the noise's level where that is what is wrong."""

@@ -27,7 +27,8 @@ class Session:
 class Hidden:
     """The truth of one hidden effect.
 
-    `visible`: its size over the noise, a row for each session, of force and each taxel. `channels`: those that carry it.
+    `visible`: its size over the noise, a row for each session, of force and each taxel, hidden alone. `beside`: the largest part of it, over
+    the noise, that the other hidden effects leave in the first session: nothing of what a dead taxel feels. `channels`: those that carry it.
     `rivals`: names for the same equations, or nearly so, that an honest critic may give as alternatives.
     """
 
@@ -40,6 +41,7 @@ class Hidden:
     channels: list
     rivals: tuple
     effect: object = None
+    beside: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -104,6 +106,8 @@ def make_sessions(
     plain = [rig.clean(i, [])[0] for i in range(n_sessions)]
     known = list(zip(signals, cleans, strict=True)) if len(hides) == 1 else None
     hidden = [_describe(rig, h, e, a, n_sessions, known) for h, (e, a) in zip(hides, scaled, strict=True)]
+    if len(hidden) > 1:
+        hidden = [replace(h, beside=_beside(rig, i, scaled, cleans[0][0])) for i, h in enumerate(hidden)]
     given = _given(skin, hides, effects)
     return sessions, Truth(hidden, skin, rig.noise, rig.noise_rms(), signals, plain, seed, protocol, given, rig)
 
@@ -133,6 +137,20 @@ def _sizes(rig, number, effect, a, known=None, coarse=1):
             left = visible(finished, base, OVER // coarse)
     floor = rig.noise_rms()
     return [float(rms(left[0]) / floor["force"]), *(rms(left[1]) / np.array(floor["taxels"])).tolist()]
+
+
+def _beside(rig, which, scaled, clean):
+    """What one of several effects changes in the first session where the others are, over the noise, in the channel with most of it."""
+    others = scaled[:which] + scaled[which + 1 :]
+    alone = rig.clean(0, others)[0]
+    if scaled[which][0].by_difference:
+        force, taxels = added(rig.measure(clean, 0, scaled), rig.measure(alone, 0, others), clean, rig.skin.stiffness)
+    else:
+        told, other = rig.finish(clean, 0, scaled), rig.finish(alone, 0, others)
+        change = replace(told, force=told.force - other.force, taxels=told.taxels - other.taxels)
+        force, taxels = visible(change, rig.base(0, 1), OVER)
+    floor = rig.noise_rms()
+    return float(max(rms(force) / floor["force"], *(rms(taxels) / np.array(floor["taxels"]))))
 
 
 def _amplitude(rig, effect, hide):

@@ -21,6 +21,7 @@ from skin_models.parameter import SHAPE
 ITERATIONS = 12
 STEP = 1e-4  # of finite differences, in scaled unknowns
 NEAR = 0.01  # relative distance to a bound that depends on another unknown, within which the unknown counts as at its bound
+SECANTS, WELL = 6, 2e-3  # steps with the same slopes, at most, and the relative fall of the cost up to which another one is taken
 TOLERANCE = 1e-4  # relative fall of the cost below which a fit has converged
 
 
@@ -77,22 +78,19 @@ def fit(
 ) -> Fit:
     """Fit the unknowns `which` of `model` (by default all of them), starting from their present values."""
     which = unknowns(model, sessions[0]) if which is None else which
-    model = with_values(model, which, values(model, which)) if iterations else model  # within its bounds
-    r = whitened(model, sessions, noise)
-    cost, damping, believed = float(r @ r), 1e-3, int(np.count_nonzero(r))
+    model, r, slopes = _descended(model, sessions, noise, iterations, which)
+    cost, believed = float(r @ r), int(np.count_nonzero(r))
     if not which:
         return Fit(model, (), {}, cost, believed)
-    for _ in range(iterations):
-        J, scale = stack(tangents(model, sessions, which), sessions, noise), scales(model, which)
-        accepted, damping, model, r = _descend(model, sessions, noise, which, J, r, damping)
-        before, cost = cost, float(r @ r)
-        if not accepted or before - cost < TOLERANCE * cost:
-            break  # J holds at the present values
-    else:
-        J, scale = stack(tangents(model, sessions, which), sessions, noise), scales(model, which)
+    J, scale = slopes or _slopes(model, sessions, noise, which)
     amounts = np.array([u.parameter.role != SHAPE for u in which])
     std, in_shape = (_standard_errors(J, scale, which, cost, free) for free in (np.ones(len(which), bool), amounts))
     return Fit(model, which, std, cost, believed, in_shape)
+
+
+def approached(model: Model, sessions: list[Session], noise: Whitener, iterations: int, which: tuple[Unknown, ...]) -> Model:
+    """The model after the first `iterations` of a fit of the unknowns `which`, from which another fit goes on."""
+    return _descended(model, sessions, noise, iterations, which)[0]
 
 
 def noise_of(model: Model, sessions: list[Session], grows: Growth | None = None, mix: np.ndarray | None = None) -> Whitener:
@@ -118,9 +116,47 @@ def fit_effects(model: Model, sessions: list[Session], noise: Whitener, iteratio
     return fit(model, sessions, noise, iterations, tuple(effect_unknowns(model)))
 
 
-def _descend(model, sessions, noise, which, J, r, damping):
+def _descended(model, sessions, noise, iterations, which):
+    """Descend until the cost r'r has converged; returns (model, r, slopes), with None for slopes that are not known at the end."""
+    model = with_values(model, which, values(model, which)) if iterations else model  # within its bounds
+    r, damping = whitened(model, sessions, noise), 1e-3
+    for _ in range(iterations if which else 0):
+        slopes, before = _slopes(model, sessions, noise, which), float(r @ r)
+        model, r, damping = _descend(model, sessions, noise, which, slopes, r, damping)
+        if before - float(r @ r) <= TOLERANCE * before:
+            return model, r, slopes
+    return model, r, None
+
+
+def _slopes(model: Model, sessions: list[Session], noise: Whitener, which: tuple[Unknown, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """The whitened Jacobian (R, U) by scaled unknowns, and their scales (U,)."""
+    return stack(tangents(model, sessions, which), sessions, noise), scales(model, which)
+
+
+def _descend(model, sessions, noise, which, slopes, r, damping):
+    """Descend along the slopes of `model`, as long as steps with the same slopes, corrected by what each step has shown, lower the cost
+    r'r well; returns (model, r, damping).
+
+    Source: C. G. Broyden, Mathematics of Computation 19 (1965) 577-593 (the correction of rank one).
+    """
+    J, scale = slopes
+    for _ in range(SECANTS):
+        accepted, damping, trial, e = _step(model, sessions, noise, which, J, scale, r, damping)
+        if not accepted:
+            break
+        before, cost = float(r @ r), float(e @ e)
+        h = (values(trial, which) - values(model, which)) / scale
+        shown = r - e  # what the simulation has changed by
+        model, r = trial, e
+        if before - cost < WELL * before:
+            break
+        J = J + np.outer(shown - J @ h, h / (h @ h))
+    return model, r, damping
+
+
+def _step(model, sessions, noise, which, J, scale, r, damping):
     """Try steps with growing damping until the cost r'r falls; returns (accepted, damping, model, r)."""
-    theta, scale = values(model, which), scales(model, which)
+    theta = values(model, which)
     free = unpressed(theta, which, J.T @ r)
     along = sliding(which, scale, free)
     J = J if free.all() else (J @ along)[:, free]

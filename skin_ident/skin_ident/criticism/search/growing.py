@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import Fit, fit, fit_effects
+from skin_ident.criticism.baseline.fitting import Fit, approached, fit
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.settling import settled
-from skin_ident.criticism.baseline.unknowns import unknowns
+from skin_ident.criticism.baseline.unknowns import effect_unknowns, unknowns
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.proposals import PROBE, Direction
 from skin_ident.criticism.search.ranking import Ranked
@@ -116,7 +116,7 @@ def _beside_sound_damping(present: Fit, ranked: Ranked, sessions: list[Session],
         return
     amount = ranked.best_amount + late / ranked.best.size
     begun = replace(present.model, dispersion=sound).extended(_ready(ranked.best, amount))
-    yield fit(fit_effects(begun, sessions, noise, AT_SHAPE).model, sessions, noise)
+    yield fit(approached(begun, sessions, noise, AT_SHAPE, tuple(effect_unknowns(begun))), sessions, noise)
 
 
 def sound_damping(skin: Dispersion) -> tuple[Dispersion, float]:
@@ -144,7 +144,7 @@ def _begun_at(d: Direction, amount: float, present: Fit, sessions: list[Session]
     model = present.model.extended(_ready(d, amount))
     new = len(model.effects) - 1
     sizes = tuple(u for u in unknowns(model, sessions[0]) if not (u.part == new and u.parameter.role == SHAPE))
-    return fit(fit(model, sessions, noise, AT_SHAPE, sizes).model, sessions, noise)
+    return fit(approached(model, sessions, noise, AT_SHAPE, sizes), sessions, noise)
 
 
 def _settled(trial: Fit, sessions: list[Session], noise: Whitener) -> tuple[Fit, list[Session]]:
