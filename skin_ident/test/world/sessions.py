@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .effect import Context
+from .effect import Context, Effect
 from .hidden import RIVALS, Hide, build, complete
 from .noise import as_noise
 from .rig import FORCE_STEP, OVER, Rig
@@ -27,8 +27,8 @@ class Session:
 class Hidden:
     """The truth of one hidden effect.
 
-    `visible`: its size over the noise, a row for each session, of force and each taxel, hidden alone. `beside`: the largest part of it, over
-    the noise, that the other hidden effects leave in the first session: nothing of what a dead taxel feels. `channels`: those that carry it.
+    `visible`: its size over the noise, a row for each session, of force and each taxel, hidden alone. `beside`: the most of it, over the
+    noise, that the other hidden effects leave in the first session: nothing of what a dead taxel feels. `channels`: those that carry it.
     `rivals`: names for the same equations, or nearly so, that an honest critic may give as alternatives.
     """
 
@@ -141,7 +141,7 @@ def _sizes(rig, number, effect, a, known=None, coarse=1):
 
 def _beside(rig, which, scaled, clean):
     """What one of several effects changes in the first session where the others are, over the noise, in the channel with most of it."""
-    others = scaled[:which] + scaled[which + 1 :]
+    others = [*scaled[:which], (Effect(), 0.0), *scaled[which + 1 :]]  # in their places: each has random numbers of its own
     alone = rig.clean(0, others)[0]
     if scaled[which][0].by_difference:
         force, taxels = added(rig.measure(clean, 0, scaled), rig.measure(alone, 0, others), clean, rig.skin.stiffness)

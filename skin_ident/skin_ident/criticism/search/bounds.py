@@ -7,7 +7,8 @@ a cause where a typical amount of it would stand out by `CLEAR` standard errors.
 - the direction beside any of those that explain most of the residual, since two effects may hide each other;
 - a round of the search in which the cause came near the one named there, which may have taken its place;
 - its fit beside everything else, where that explains something: a delay that the damping makes up for has little of its own in a linear
-  view, and any amount in a fit.
+  view, and any amount in a fit;
+- for a gain, the difference between the skins that sessions were allowed to have: it may as well be a gain that differs.
 
 A cause may be both excluded and untestable: a gain that changes part-way is excluded, while one that was wrong throughout passes for
 another stiffness. What the record itself shows, such as the steps of a converter, is not excluded below its own size.
@@ -29,6 +30,7 @@ from skin_models.model import Model
 from skin_models.parameter import SHAPE, Parameter, parameters_of
 
 CLEAR = 3.0  # standard errors
+GAIN = "gain_error"
 NEAR = 0.35  # share of a round's best score above which a cause came near
 ALIKE = 0.98  # correlation above which two directions are one
 NOT_SEEN = {"noise": SEEN}  # what would have been seen, for causes that telemetry alone decides
@@ -42,13 +44,14 @@ def excluded_and_untestable(
     known: dict[str, str],
     seen: Mapping[str, Mapping[str, NotNamed]],
     grown: Mapping[Key, Fit],
+    skins: float = 0.0,
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """Entries of findings.json, excluded and untestable, for all causes not in `named`, from the last survey and those of all `rounds`.
     `known` gives the reason for causes that telemetry alone decides; an empty text means looked for and not found. What is `seen` in the
-    record bounds what may be excluded, and so do the fits of causes that were tried last, `grown`. For a cause that is named, what is
-    seen of it at another place is listed where it is in doubt."""
+    record bounds what may be excluded, and so do the fits of causes that were tried last, `grown`, and the relative difference in stiffness
+    between the `skins` of the sessions. For a cause that is named, what is seen of it at another place is listed where it is in doubt."""
     p = last.projected
-    bounds = np.maximum(_bounds(last, rounds), [_grown(d, grown) for d in p.which])
+    bounds = np.maximum(_bounds(last, rounds), [max(_grown(d, grown), _in_skins(d, skins)) for d in p.which])
     excluded, untestable = [], []
     for cause in CAUSES:
         there = seen.get(cause.name, {})
@@ -108,6 +111,11 @@ def _grown(d: Direction, grown: Mapping[Key, Fit]) -> float:
         if (e.cause, e.where) == d.key and type(d.effect) in (type(e), e.refines)
     ]
     return max((abs(value) + 1.96 * std for value, std in mine), default=0.0) / d.size
+
+
+def _in_skins(d: Direction, skins: float) -> float:
+    """The amount of a direction that skins which differ by `skins` may have taken up; 0 for all but gains."""
+    return skins / d.size if d.cause == GAIN else 0.0
 
 
 def _amounts(p: Projected) -> np.ndarray:

@@ -52,14 +52,14 @@ def explained_by_own_skin(search: Search) -> float:
     return explained * (np.abs(theta).max() <= FARTHEST)
 
 
-def take_own_skin(search: Search, explained: float, best: float, runs: list[Run]) -> bool:
+def take_own_skin(search: Search, explained: float, best: float, runs: list[Run], refused: bool = False) -> bool:
     """Let the skin differ between sessions where this has `explained` as much as the `best` shared cause, and clearly more than the `runs`
     of one sensor or clock; return whether it was done. Two skin parameters may mimic a gain, or a zero of depth. A gain shows in how it
     goes from session to session beside other channels; with few sessions or a lone channel it does not. There, a gain that strays no
-    farther than skin does is left to the skin, if the skin explains nearly as much. So is a zero of depth anywhere. That it may be one of
-    these is noted."""
+    farther than skin does is left to the skin, if the skin explains nearly as much. So is a zero of depth anywhere. Runs that have been
+    `refused` compete no longer. That it may be one of these is noted."""
     whole = {r.course.key: r.score for r in runs if r.course.shape == CONSTANT}
-    worth = max((_worth(search, r, whole.get(r.course.key, 0.0)) for r in runs), default=0.0)
+    worth = 0.0 if refused else max((_worth(search, r, whole.get(r.course.key, 0.0)) for r in runs), default=0.0)
     if explained <= max(LEAST, reach(best), worth):
         return False
     others = [r for r in runs if r.course.carrier in (SLOPE, DEPTH) and r.score > MUCH * explained]
@@ -77,12 +77,12 @@ def _worth(search: Search, run: Run, whole: float) -> float:
     return NEARLY * (whole if whole > MOSTLY * run.score else run.score)
 
 
-def take_own_skin_at_last(search: Search, explained: float) -> bool:
+def take_own_skin_at_last(search: Search, explained: float, runs: list[Run]) -> bool:
     """The same where neither cause nor course is believed though some explain more, if no parameter strays farther than skin does. The
     right cause fails in held-out sessions as long as the model has the skin of others there."""
     if explained <= LEAST or np.abs(_of_train(search)[0]).max() > NATURAL:
         return False
-    return take_own_skin(search, explained, search.least(search.present.count), [])
+    return take_own_skin(search, explained, search.least(search.present.count), runs, refused=True)
 
 
 def too_few_for_a_pattern(sessions: list[Session]) -> bool:
@@ -125,7 +125,7 @@ def take_own_skin_of_held(search: Search, of_train: float, runs: list[Run]) -> b
     ahead = 1.0 if zeros else NEARLY if gains else AHEAD
     # Less the charge, because the moments of a course were searched for.
     worth = max((now - cost - r.charge for cost, r in zip(by_course, best, strict=True)), default=0.0)
-    return now - by_skin > ahead * worth and take_own_skin(search, explained, 0.0, [])
+    return now - by_skin > ahead * worth and take_own_skin(search, explained, 0.0, runs, refused=True)
 
 
 def _asked(search: Search) -> bool:
@@ -164,6 +164,14 @@ def _off(model: Model, s: Session) -> float:
     own, which take up any stiffness, only the load cell shows it."""
     own, channels = placed(model, replace(s, spread=None)), s.channels if s.spread is None else ("force",)
     return max((abs(stiffness(own, c) / stiffness(model, c) - 1.0) for c in channels if stiffness(model, c) > 0.0), default=0.0)
+
+
+def strays(model: Model, sessions: list[Session]) -> float:
+    """The largest relative difference between the sessions' skins in the stiffness of any channel; 0 without such sessions."""
+    if not sessions:
+        return 0.0
+    stiff = np.array([[stiffness(placed(model, replace(s, spread=None)), c) for c in s.channels] for s in sessions])
+    return float(np.max(np.ptp(stiff, axis=0) / np.maximum(np.mean(stiff, axis=0), 1e-300)))
 
 
 def _gain(search: Search) -> Gain:

@@ -107,7 +107,7 @@ def _believing_none(search: Search, look: _Look) -> bool:
     """
     if not (search.doubts or search.hardware) and take_zeros(search):
         return True
-    if take_own_skin(search, look.of_skin, look.best, []) or take_own_skin_of_held(search, look.of_skin, look.runs):
+    if take_own_skin(search, look.of_skin, look.best, look.runs, refused=True) or take_own_skin_of_held(search, look.of_skin, look.runs):
         return True
     if take_alone(search):
         search.end_round(look.survey, search.named[-1].cause)
@@ -125,7 +125,7 @@ def _believing_none(search: Search, look: _Look) -> bool:
     if take_wave(search):
         search.end_round(look.survey, search.named[-1].cause)
         return True
-    if take_own_skin_at_last(search, look.of_skin):
+    if take_own_skin_at_last(search, look.of_skin, look.runs):
         return True
     search.end_round(look.survey, None, refused=max((t.score for t in look.trials), default=0.0))
     return False

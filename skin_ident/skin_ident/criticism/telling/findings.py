@@ -13,6 +13,7 @@ from skin_ident.criticism.said import Said
 from skin_ident.criticism.search.bounds import excluded_and_untestable
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.named import Criticism, Named, NotNamed
+from skin_ident.criticism.search.own_skin import strays
 from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.dead import apart
@@ -264,7 +265,8 @@ def as_findings(
     known = telemetry_words(recordings, given)
     each = by_session(c, [*train, *held])
     rounds, seen_there = [s for s, _ in c.rounds], _not_findings(c, recordings, named)
-    excluded, untestable = excluded_and_untestable(c.last, rounds, {cause for cause, _ in named}, known, seen_there, c.grown)
+    skins = strays(c.extended.model, [s for s in (*c.train, *c.held) if s.skin])
+    excluded, untestable = excluded_and_untestable(c.last, rounds, {cause for cause, _ in named}, known, seen_there, c.grown, skins)
     untestable = with_load_cell_untold(untestable, named) if driven else untestable
     return {
         "schema": SCHEMA,
