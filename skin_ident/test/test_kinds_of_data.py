@@ -11,6 +11,7 @@ from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.recordings.load import load
 from skin_ident.recordings.recording import Recording
+from skin_ident.report.terminal import summary
 
 RELAXING = ("stress_relaxation", "skin", "prony2", 1.5)
 
@@ -39,6 +40,12 @@ def test_a_material_test_and_one_without_load_cell(tmp_path, sessions, missing, 
     assert worth["held_out_rmse_after"] < worth["held_out_rmse_before"] and worth["ci95"][0] > 0.0
     if missing == "taxels":
         assert "there is no taxel" in next(u["because"] for u in findings["untestable"] if u["cause"] == "dead_taxel")
+        (relaxes,) = (f["parameters"] for f in findings["findings"] if f["cause"] == "stress_relaxation")
+        parts = {name: p for name, p in relaxes.items() if "_sensed" in name}
+        assert parts and all(p["value"] == 0.0 and p["std"] is None for p in parts.values()), "the load cell alone knows one stiffness"
+        assert 0.0 < relaxes["k_dispersed"]["std"] < 0.2 * relaxes["k_dispersed"]["value"]
+        said = summary(findings)
+        assert "k_dispersed" in said and "k_sensed" not in said
 
 
 def left_in_a_hurry(path):

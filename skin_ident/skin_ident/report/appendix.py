@@ -9,7 +9,7 @@ from skin_ident.report.numbers import amount, finite, percent
 from skin_ident.report.reading import recording_name, warning_sentences
 from skin_ident.report.tolerant import mapping, named_at, place_in, sequence, text, with_spoken_taxels
 from skin_ident.report.view import View
-from skin_ident.report.words import capital, effect_words, label, meaning, role, sentence
+from skin_ident.report.words import capital, effect_words, label, meaning, role, sentence, undivided
 
 SPREAD = "Standard errors contain noise only. They do not contain errors of the form of the model, which every model of a real skin has."
 MOST_ROWS = 15  # a longer table is folded
@@ -70,7 +70,8 @@ def _also(e: dict, others: tuple[dict, ...]) -> list[dict]:
 def size_ruled_out(e: dict, v: View) -> str:
     """The upper bound of an excluded cause, in words, and whether part of the cause could not be tested."""
     limit = f"; limited by {text(e['limited_by'])}" if e.get("limited_by") else ""
-    return bound(e) + limit + ("; only in part, see what could not be tested" if _also(e, v.untestable) else "")
+    ruled_out = undivided(bound(e)) if v.alone else bound(e)
+    return ruled_out + limit + ("; only in part, see what could not be tested" if _also(e, v.untestable) else "")
 
 
 def why_untestable(e: dict, v: View) -> str:

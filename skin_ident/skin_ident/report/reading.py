@@ -9,7 +9,7 @@ from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.numbers import finite, percent
 from skin_ident.report.tolerant import mapping, place_in, sequence, text
 from skin_ident.report.view import Amount, ChannelError, Finding, Gain, View
-from skin_ident.report.words import advice, declared, effect_words, label, meaning, sentence
+from skin_ident.report.words import advice, declared, effect_words, label, meaning, sentence, undivided
 
 LONE = "taxel_alone"  # the place of a lone taxel, in words.PLACES
 PLACED = ("findings", "excluded", "untestable")  # entries of findings.json that hold places
@@ -40,8 +40,8 @@ def view(findings: dict[str, Any]) -> View:
         recordings=tuple(sequence(findings.get("recordings"))),
         findings=tuple(_finding(mapping(f), baseline) for f in sequence(findings.get("findings"))),
         errors=_errors(mapping(baseline.get("rmse")), mapping(extended.get("rmse")), mapping(findings.get("noise_floor")), gains),
-        before=_model_amounts(baseline.get("parameters")),
-        after=_model_amounts(extended.get("parameters")),
+        before=_model_amounts(baseline.get("parameters"), _alone(baseline)),
+        after=_model_amounts(extended.get("parameters"), _alone(baseline)),
         excluded=tuple(mapping(e) for e in sequence(findings.get("excluded"))),
         untestable=tuple(mapping(e) for e in sequence(findings.get("untestable"))),
         warnings=tuple(text(w) for w in sequence(findings.get("warnings"))),
@@ -60,6 +60,11 @@ def _band(floors: dict[str, Any]) -> float | None:
     """The edge (Hz) of the band in which errors are counted, from the first noise floor that has it; None where none has."""
     edges = (finite(mapping(floor).get("band_hz")) for floor in floors.values())
     return next((hz for hz in edges if hz is not None), None)
+
+
+def _alone(baseline: dict[str, Any]) -> bool:
+    """Whether the load cell stands alone: without taxels the skin carries one force, not two parts of it."""
+    return set(mapping(baseline.get("rmse"))) == {"force"}
 
 
 def _lone_taxel(findings: dict[str, Any]) -> dict[str, Any]:
@@ -89,9 +94,9 @@ def warning_sentences(v: View) -> list[str]:
     return [sentence(w, begins_with_name=w.startswith(names)) for w in v.warnings]
 
 
-def _model_amounts(entries: Any) -> tuple[Amount, ...]:
+def _model_amounts(entries: Any, alone: bool) -> tuple[Amount, ...]:
     """The parameters of a model: those of the dispersion model (`k1`), and those of its effects (`stress_relaxation.skin.tau`)."""
-    entries = {str(name): entry for name, entry in mapping(entries).items()}
+    entries = {str(name): entry for name, entry in mapping(entries).items() if not (alone and str(name).endswith("_sensed"))}
     parts: dict[tuple[str, str], list[str]] = {}
     for name in entries:
         if name.count(".") == 2:
@@ -102,7 +107,8 @@ def _model_amounts(entries: Any) -> tuple[Amount, ...]:
         for (cause, where), names in parts.items()
         for short in names
     }
-    return tuple(_amount(name, entry, words.get(name) or label(name)) for name, entry in entries.items())
+    said = {name: words.get(name) or label(name) for name in entries}
+    return tuple(_amount(name, entry, undivided(said[name]) if alone else said[name]) for name, entry in entries.items())
 
 
 def _amount(name: str, entry: Any, words: str, none: float = 0.0) -> Amount:
@@ -117,12 +123,12 @@ def _held(name: str, entry: dict[str, Any]) -> tuple[Amount, str]:
 def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
     cause, where = text(f.get("cause")), place_in(f)
     channels, evidence = tuple(text(c) for c in sequence(f.get("channels"))), mapping(f.get("evidence"))
-    alternatives = sequence(f.get("alternatives"))
+    alternatives, alone = sequence(f.get("alternatives")), _alone(baseline)
     return Finding(
         cause=cause,
         where=where,
         channels=channels,
-        amounts=_amounts(cause, where, f),
+        amounts=_amounts(cause, where, f, alone),
         evidence=tuple(evidence.items()),
         gain=_gain(mapping(f.get("gain")), channels, baseline, evidence.get("held_out")),
         alternatives=tuple(_alternative(a, evidence) for a in alternatives),
@@ -133,17 +139,21 @@ def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
         act=text(f.get("advice")) or advice(cause),
         means=text(f.get("means")) or meaning(cause),
         behind=tuple(_behind(a, evidence) for a in alternatives),
-        rival_amounts=tuple(_amounts(text(a.get("cause")), place_in(a), a) for a in map(mapping, alternatives)),
+        rival_amounts=tuple(_amounts(text(a.get("cause")), place_in(a), a, alone) for a in map(mapping, alternatives)),
     )
 
 
-def _amounts(cause: str, where: str, entry: dict[str, Any]) -> tuple[Amount, ...]:
-    """The parameters of a finding, or of one of its alternatives."""
-    sizes = {str(name).rpartition(".")[2]: size for name, size in mapping(entry.get("parameters")).items()}
+def _amounts(cause: str, where: str, entry: dict[str, Any], alone: bool) -> tuple[Amount, ...]:
+    """The parameters of a finding, or of one of its alternatives. Where the load cell stands `alone`, those of the part that taxels feel
+    are left out."""
+    every = {str(name).rpartition(".")[2]: size for name, size in mapping(entry.get("parameters")).items()}
+    sizes = {name: size for name, size in every.items() if not (alone and name.endswith("_sensed"))}
     of = cause, where, tuple(sizes), tuple(map(text, sequence(mapping(entry.get("evidence")).get("forms"))))
     words, known = effect_words(*of), declared(*of)
     none = {name: p.neutral for name, p in known.items()}
-    return tuple(_amount(name, size, words.get(name) or label(name), none.get(name, 0.0)) for name, size in sizes.items())
+    said = {name: words.get(name) or label(name) for name in sizes}
+    said = {name: undivided(w) for name, w in said.items()} if alone else said
+    return tuple(_amount(name, size, said[name], none.get(name, 0.0)) for name, size in sizes.items())
 
 
 def _bent(name: str, entry: dict[str, Any]) -> tuple[Amount, Amount]:

@@ -200,6 +200,11 @@ class View:
     most_left: dict[str, Any] = field(default_factory=dict)  # the entry `systematic_rest`, with the sessions of the largest residual
 
     @property
+    def alone(self) -> bool:
+        """Whether the load cell stands alone, without taxels."""
+        return {e.channel for e in self.errors} == {"force"}
+
+    @property
     def loudest(self) -> list[float]:
         """The largest error, as a list of one (empty without errors). It decides the unit of all errors on the page, because two units for
         one kind of number would be misread."""

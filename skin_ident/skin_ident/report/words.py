@@ -103,14 +103,24 @@ def label(name: str) -> str:
 _SYMBOL = re.compile(r"(?<!of)(?<!is)(?<!per)(?<!\d) (?:[A-Za-z]|tau|v_s|x0|x1|t0)(?=$|[ ,:;])")
 
 
+_PARTS = {", sensed": " (felt by taxels)", ", dispersed": " (not felt by taxels)"}
+
+
 def _without_symbols(doc: str) -> str:
     """A parameter's description without the symbols of the equation."""
     for sign, said in (("of x^2", "of depth squared"), ("of x^3", "of depth cubed"), ("factor of x v", "damping that grows with depth")):
         doc = doc.replace(sign, said)
     plain = _SYMBOL.sub("", doc.partition(";")[0], count=1)
-    for word, said in ((", sensed", " (felt by taxels)"), (", dispersed", " (not felt by taxels)")):
+    for word, said in _PARTS.items():
         plain = plain[: -len(word)] + said if plain.endswith(word) else plain
     return plain
+
+
+def undivided(words: str) -> str:
+    """The words for a parameter where no taxel divides what the skin carries."""
+    for said in _PARTS.values():
+        words = words.replace(said, "")
+    return words
 
 
 @cache

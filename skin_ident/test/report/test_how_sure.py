@@ -10,6 +10,7 @@ from wording_making import findings, rivals
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.telling.findings import found
+from skin_ident.report.appendix import size_ruled_out
 from skin_ident.report.evidence import evidence
 from skin_ident.report.story import tell
 from skin_ident.report.terminal import summary
@@ -80,3 +81,17 @@ def test_sizes_in_the_terminal_have_the_units_of_the_page_and_a_rounding_zero_is
     said = findings("explained", entries=[rivals(("nonlinear_stiffness", "skin"), parameters=sizes)])
     story = tell(examples.Outcome(said)).story
     assert "onset = 0.220 ± 0.008 mm" in summary(said) and "k_sensed" not in summary(said) and "10⁻¹" not in story.wrong[0].size
+
+
+@pytest.mark.parametrize("alone", [True, False])
+def test_a_load_cell_that_stands_alone_divides_no_stiffness_by_what_taxels_feel(alone):
+    sizes = {n: {"value": v, "unit": "N/m", "std": s} for n, v, s in (("k_sensed", 0.0, None), ("k_dispersed", 271.0, 8.0))}
+    said = findings("explained", entries=[rivals(("stress_relaxation", "skin"), parameters=sizes)])
+    said |= {"excluded": [{"cause": "hysteresis", "where": "skin", "parameter": "k_dispersed", "below": 41.0, "unit": "N/m"}]}
+    for part in ("baseline", "extended") if alone else ():
+        said[part]["rmse"] = {"force": said[part]["rmse"]["force"]}
+    told = tell(examples.Outcome(said))
+    size = told.story.wrong[0].size
+    assert "271" in size and ("taxels)" in size) is not alone
+    ruled_out = size_ruled_out(told.view.excluded[0], told.view)
+    assert "41.0" in ruled_out and ("taxels)" in ruled_out) is not alone

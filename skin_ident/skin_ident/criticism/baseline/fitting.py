@@ -21,7 +21,6 @@ from skin_models.parameter import SHAPE
 ITERATIONS = 12
 STEP = 1e-4  # of finite differences, in scaled unknowns
 NEAR = 0.01  # relative distance to a bound that depends on another unknown, within which the unknown counts as at its bound
-SECANTS, WELL = 6, 2e-3  # steps with the same slopes, at most, and the relative fall of the cost up to which another one is taken
 TOLERANCE = 1e-4  # relative fall of the cost below which a fit has converged
 
 
@@ -113,7 +112,7 @@ def cost_of(model: Model, sessions: list[Session], noise: Whitener) -> float:
 
 def fit_effects(model: Model, sessions: list[Session], noise: Whitener, iterations: int = ITERATIONS) -> Fit:
     """Fit the effects of `model` and keep its dispersion parameters and shares."""
-    return fit(model, sessions, noise, iterations, tuple(effect_unknowns(model)))
+    return fit(model, sessions, noise, iterations, tuple(effect_unknowns(model, sessions[0])))
 
 
 def _descended(model, sessions, noise, iterations, which):
@@ -122,9 +121,9 @@ def _descended(model, sessions, noise, iterations, which):
     r, damping = whitened(model, sessions, noise), 1e-3
     for _ in range(iterations if which else 0):
         slopes, before = _slopes(model, sessions, noise, which), float(r @ r)
-        model, r, damping = _descend(model, sessions, noise, which, slopes, r, damping)
-        if before - float(r @ r) <= TOLERANCE * before:
-            return model, r, slopes
+        accepted, damping, model, r = _descend(model, sessions, noise, which, slopes, r, damping)
+        if not accepted or before - float(r @ r) < TOLERANCE * float(r @ r):
+            return model, r, slopes  # they hold at the present values
     return model, r, None
 
 
@@ -134,29 +133,8 @@ def _slopes(model: Model, sessions: list[Session], noise: Whitener, which: tuple
 
 
 def _descend(model, sessions, noise, which, slopes, r, damping):
-    """Descend along the slopes of `model`, as long as steps with the same slopes, corrected by what each step has shown, lower the cost
-    r'r well; returns (model, r, damping).
-
-    Source: C. G. Broyden, Mathematics of Computation 19 (1965) 577-593 (the correction of rank one).
-    """
-    J, scale = slopes
-    for _ in range(SECANTS):
-        accepted, damping, trial, e = _step(model, sessions, noise, which, J, scale, r, damping)
-        if not accepted:
-            break
-        before, cost = float(r @ r), float(e @ e)
-        h = (values(trial, which) - values(model, which)) / scale
-        shown = r - e  # what the simulation has changed by
-        model, r = trial, e
-        if before - cost < WELL * before:
-            break
-        J = J + np.outer(shown - J @ h, h / (h @ h))
-    return model, r, damping
-
-
-def _step(model, sessions, noise, which, J, scale, r, damping):
     """Try steps with growing damping until the cost r'r falls; returns (accepted, damping, model, r)."""
-    theta = values(model, which)
+    (J, scale), theta = slopes, values(model, which)
     free = unpressed(theta, which, J.T @ r)
     along = sliding(which, scale, free)
     J = J if free.all() else (J @ along)[:, free]

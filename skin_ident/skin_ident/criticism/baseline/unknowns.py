@@ -42,14 +42,13 @@ def unknowns(model: Model, session: Session) -> tuple[Unknown, ...]:
     """All unknowns of a fit of this model to sessions of this kind. The largest share is the reference and stays 1. Sessions at places of
     their own have shares of their own instead (see `own_shares`)."""
     shares = _of_shares(model) if session.spread is None else ()
-    return (*_of_dispersion(model, session), *shares, *effect_unknowns(model))
+    return (*_of_dispersion(model, session), *shares, *effect_unknowns(model, session))
 
 
 def _of_dispersion(model: Model, session: Session) -> Iterator[Unknown]:
     """Those of k1, b1, k2, b2 and m that the channels can determine, with a lower bound on damping (`least_damping`) and an upper one on
     the mass."""
-    silent = len(session.stuck) == session.n_taxels
-    names = BY_FORCE if session.drive is not None else MATERIAL if silent else BY_DEPTH
+    names = BY_FORCE if session.drive is not None else MATERIAL if _is_silent(session) else BY_DEPTH
     names = names if "force" in session.channels or session.drive is not None else TAXELS_ALONE
     names = (*names, "m") if session.free_mass else names
     under_taxels, in_all = least_damping(model.dispersion, LATE * session.period)
@@ -96,11 +95,23 @@ def those_told(which: tuple[Unknown, ...], model: Model, told: Callable[[Unknown
     return tuple(reachable(u) if u.beside in fixed else u for u in kept)
 
 
-def effect_unknowns(model: Model) -> Iterator[Unknown]:
-    """The unknowns of the effects: all that is fitted beside a given dispersion model."""
+def effect_unknowns(model: Model, session: Session) -> Iterator[Unknown]:
+    """The unknowns of the effects that the channels can determine: all that is fitted beside a given dispersion model."""
     for i, e in enumerate(model.effects):
         for p in parameters_of(e):
-            yield Unknown(i, p, model.listed_as(i, p.name))
+            if shown(p, session):
+                yield Unknown(i, p, model.listed_as(i, p.name))
+
+
+def shown(p: Parameter, session: Session) -> bool:
+    """Whether some channel shows a parameter of an effect. What only taxels feel and what they do not feel are one thing to the load cell
+    alone, and count as not felt."""
+    return not (p.name.endswith("_sensed") and _is_silent(session))
+
+
+def _is_silent(session: Session) -> bool:
+    """Whether no taxel works, or there is none."""
+    return len(session.stuck) == session.n_taxels
 
 
 def values(model: Model, which: tuple[Unknown, ...]) -> np.ndarray:

@@ -28,7 +28,7 @@ def check_numbers(search: Search, given: Model) -> None:
     as_given = replace(given, effects=(*given.effects, *_added(given, every.model)))
 
     def fit_added(model: Model, sessions: list[Session], noise: Whitener, iterations: int = ITERATIONS) -> Fit:
-        free = tuple(u for u in effect_unknowns(model) if u.part >= len(given.effects))
+        free = tuple(u for u in effect_unknowns(model, sessions[0]) if u.part >= len(given.effects))
         return fit(model, sessions, noise, iterations, free)
 
     kept = fit_added(as_given, search.train, search.noise)

@@ -8,7 +8,7 @@ import numpy as np
 from skin_ident.criticism.baseline.fitting import Fit, approached, fit
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.settling import settled
-from skin_ident.criticism.baseline.unknowns import effect_unknowns, unknowns
+from skin_ident.criticism.baseline.unknowns import effect_unknowns, shown, unknowns
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.proposals import PROBE, Direction
 from skin_ident.criticism.search.ranking import Ranked
@@ -115,8 +115,8 @@ def _beside_sound_damping(present: Fit, ranked: Ranked, sessions: list[Session],
     if late <= 0.0:
         return
     amount = ranked.best_amount + late / ranked.best.size
-    begun = replace(present.model, dispersion=sound).extended(_ready(ranked.best, amount))
-    yield fit(approached(begun, sessions, noise, AT_SHAPE, tuple(effect_unknowns(begun))), sessions, noise)
+    begun = replace(present.model, dispersion=sound).extended(_ready(ranked.best, amount, sessions[0]))
+    yield fit(approached(begun, sessions, noise, AT_SHAPE, tuple(effect_unknowns(begun, sessions[0]))), sessions, noise)
 
 
 def sound_damping(skin: Dispersion) -> tuple[Dispersion, float]:
@@ -141,7 +141,7 @@ def sound_damping(skin: Dispersion) -> tuple[Dispersion, float]:
 
 
 def _begun_at(d: Direction, amount: float, present: Fit, sessions: list[Session], noise: Whitener) -> Fit:
-    model = present.model.extended(_ready(d, amount))
+    model = present.model.extended(_ready(d, amount, sessions[0]))
     new = len(model.effects) - 1
     sizes = tuple(u for u in unknowns(model, sessions[0]) if not (u.part == new and u.parameter.role == SHAPE))
     return fit(approached(model, sessions, noise, AT_SHAPE, sizes), sessions, noise)
@@ -202,12 +202,12 @@ def _finer(effect: Effect) -> list[Effect]:
     return [cls.typical(effect.where, **effect.values) for cls in effects() if cls.refines is type(effect)]
 
 
-def _ready(d: Direction, amount: float) -> Effect:
+def _ready(d: Direction, amount: float, session: Session) -> Effect:
     """The effect at the ranked amount. Its other amplitudes begin at a tenth of that where they cannot be negative, else at zero, so that
-    every unknown can move."""
+    every unknown can move; those that no channel shows stay at zero."""
     values, usual = {}, next(abs(p.typical) for p in parameters_of(d.effect) if p.name == d.parameter)
     for p in parameters_of(d.effect):
-        if p.role != AMPLITUDE or p.typical != p.typical:
+        if p.role != AMPLITUDE or p.typical != p.typical or not shown(p, session):
             continue
         share = 1.0 if p.name == d.parameter else (0.1 if p.lower >= 0.0 else 0.0)
         values[p.name] = amount * share * abs(p.typical) * d.size / usual

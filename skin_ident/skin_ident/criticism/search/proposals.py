@@ -13,6 +13,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.own_shares import take_shares
 from skin_ident.criticism.baseline.residual import at_place, placed, rows
+from skin_ident.criticism.baseline.unknowns import shown
 from skin_ident.criticism.gates.gate import own_channels
 from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_ident.criticism.vocabulary import SWALLOWS, Key
@@ -108,7 +109,7 @@ def _directions(cls: type[Effect], where: str, session: Session) -> Iterator[Dir
     for shape in _shapes(cls, session, times):
         absent = cls.typical(where, **shape).absent()
         for p in amplitudes:
-            if p.name.endswith("_sensed") and session.n_taxels == 0:
+            if not shown(p, session):
                 continue
             usual = abs(p.typical)
             size = usual * (times if p.unit == "N" and not cls.linear else 1.0)
