@@ -162,6 +162,18 @@ def test_one_that_dies_at_once_is_dead_from_then_on_whatever_its_slope(share, by
     assert symptom.where == "taxel_0" and symptom.parameters["since"]["value"] == pytest.approx(1.8, abs=0.02)
 
 
+@pytest.mark.parametrize("dies", [True, False])
+@pytest.mark.parametrize("seed", range(6))
+def test_one_that_feels_little_more_than_its_noise_is_dead_from_where_it_holds_one_reading(seed, dies):
+    t, rng = np.arange(6000) / 100.0, np.random.default_rng(seed)
+    load = 2.0 + np.sin(1.3 * t) + 0.5 * np.sin(3.7 * t)
+    faint = 0.01 * load + 8e-3 * rng.standard_normal(t.size)
+    reads = np.where(t < 33.0, faint, 0.0) if dies else faint
+    found = find_dead_taxels([Recording("faint", t, None, load, np.array([reads, load]))])
+    assert [(s.where, s.evidence["kind"]) for s in found] == ([("taxel_0", "dies")] if dies else [])
+    assert not dies or found[0].parameters["since"]["value"] == pytest.approx(33.0, abs=1.5)
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_sound_ones_under_a_plunger_that_rests_are_alive(tmp_path, seed):
     assert named(tmp_path, make_sessions("null", seed=seed, n_sessions=3, n_taxels=2, protocol="holds_only")[0]) == ()

@@ -19,6 +19,7 @@ MOVED = 0.2  # load's standard deviation in a piece, as a share of that in the s
 ALIVE = 0.3  # share of the usual slope from which a taxel is alive in a piece
 GONE = 0.03  # share of the usual slope up to which it is dead in a piece
 SURE = 0.8  # correlation in a piece from which it surely follows
+FAINTLY = 0.5  # the same for each of FEWEST pieces, where a taxel feels little more than its noise
 FEWEST = 4  # tested dead pieces in a row up to the end of the session; or a long stretch under a load that changes much
 PROMISED = 5.0  # converter steps, rms, by which a taxel should have moved if a constant reading is to count
 WHOLE = 0.8  # share of the usual slope, down to which it does not fade yet
@@ -191,7 +192,7 @@ def _death(recording, row: np.ndarray) -> int | None:
         return None
     of = _Pieces(load, row)
     tested = np.flatnonzero([np.std(load[p]) > MOVED * np.std(load) for p in of.pieces])
-    usual = of.usual(tested)
+    usual = of.usual(tested) or of.faintly(tested)
     alive = tested[of.slopes[tested] > ALIVE * usual]
     last = int(alive[-1]) if alive.size else -1
     dead = tested[tested > last]
@@ -213,6 +214,11 @@ class _Pieces:
         """The steepest slope among the given pieces in which the taxel surely follows the load; 0 where it follows in none."""
         sure = [k for k in among if _correlation(self.load[self.pieces[k]], self.row[self.pieces[k]]) > SURE]
         return float(np.max(self.slopes[sure], initial=0.0))
+
+    def faintly(self, among: np.ndarray) -> float:
+        """The median slope of the given pieces in which the taxel follows, of a taxel that surely follows in none; 0 where they are few."""
+        follow = [k for k in among if _correlation(self.load[self.pieces[k]], self.row[self.pieces[k]]) > FAINTLY]
+        return float(np.median(self.slopes[follow])) if len(follow) >= FEWEST else 0.0
 
 
 def _silent_under_load(load: np.ndarray, row: np.ndarray, span: np.ndarray, slope: float) -> bool:
