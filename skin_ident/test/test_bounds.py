@@ -23,6 +23,7 @@ from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
 from skin_models.effects.backlash import Backlash
 from skin_models.effects.inertia import Inertia
+from skin_models.effects.lag import Lag
 from skin_models.model import Model
 
 SKIN = Model(Dispersion(m=0.0, b1=900.0, k1=9000.0, b2=600.0, k2=3000.0))
@@ -65,6 +66,20 @@ def test_a_cause_is_not_excluded_below_what_its_fit_came_to():
     entries, _ = excluded_and_untestable(surveyed(0.0, 0.0, 0.0), [], set(), {}, {}, grown)
     said = {e["cause"]: e["below"] / SIZES[e["cause"]] for e in entries if e["below"] is not None}
     assert said["backlash"] == pytest.approx(2.196) and said["inertia"] < 0.1
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("left", [0.01, 0.9])
+def test_a_delay_that_damping_makes_up_for_is_not_excluded_below_its_size(left, seed):
+    """Of a delay z, damping leaves what grows with its square; at the probed amount that is the share `left` of all its energy."""
+    rng, late = np.random.default_rng(seed), Direction(Lag("taxel"), "tau", 0.05, 1)
+    damping, a = rng.standard_normal((2, ROWS))
+    column, z = 20.0 * (np.sqrt(1.0 - left) * damping + np.sqrt(left) * a), 0.03
+    felt = 20.0 * np.sqrt(left) * a * (z**2 / late.probe if left < 0.1 else z) + rng.standard_normal(ROWS)
+    p = project((late,), column[:, None], damping[:, None] / np.linalg.norm(damping), felt)
+    entries, _ = excluded_and_untestable(Survey(SKIN, white([np.ones((1, ROWS))]), p, tuple(rank(p))), [], set(), {}, {}, {})
+    (tau,) = (e["below"] for e in entries if e["cause"] == "lag")
+    assert z * late.size < tau < 3.0 * z * late.size
 
 
 def test_more_than_there_can_be_of_a_cause_excludes_nothing():

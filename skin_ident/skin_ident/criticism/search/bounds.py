@@ -32,6 +32,7 @@ from skin_models.parameter import SHAPE, Parameter, parameters_of
 CLEAR = 3.0  # standard errors
 GAIN = "gain_error"
 NEAR = 0.35  # share of a round's best score above which a cause came near
+MADE_UP = 0.1  # share of a delay's energy that the model's own damping leaves, below which it makes up for all that is linear in it
 ALIKE = 0.98  # correlation above which two directions are one
 NOT_SEEN = {"noise": SEEN}  # what would have been seen, for causes that telemetry alone decides
 HOLLOW = "even the largest possible amount of it could not be distinguished here from other causes and noise"
@@ -51,7 +52,8 @@ def excluded_and_untestable(
     record bounds what may be excluded, and so do the fits of causes that were tried last, `grown`, and the relative difference in stiffness
     between the `skins` of the sessions. For a cause that is named, what is seen of it at another place is listed where it is in doubt."""
     p = last.projected
-    bounds = np.maximum(_bounds(last, rounds), [max(_grown(d, grown), _in_skins(d, skins)) for d in p.which])
+    bounds = np.array([_as_it_grows(b, d, left) for b, d, left in zip(_bounds(last, rounds), p.which, p.left, strict=True)])
+    bounds = np.maximum(bounds, [max(_grown(d, grown), _in_skins(d, skins)) for d in p.which])
     excluded, untestable = [], []
     for cause in CAUSES:
         there = seen.get(cause.name, {})
@@ -98,6 +100,13 @@ def _bounds(last: Survey, rounds: list[Survey]) -> np.ndarray:
         contends = np.array([d.key in near for d in p.which])
         bounds = np.where(contends, np.maximum(bounds, _amounts(s.projected)), bounds)
     return bounds
+
+
+def _as_it_grows(bound: float, d: Direction, left: float) -> float:
+    """The upper bound of a direction whose amount is a time, where damping makes up for all that grows in proportion to it: what is left
+    grows with its square, so that a smaller amount than the probed one shows less than the linear `bound` supposes. Others as they are."""
+    time = next(q for q in parameters_of(d.effect) if q.name == d.parameter).unit == "s"
+    return float(np.sqrt(bound * d.probe)) if time and left < MADE_UP and bound < d.probe else float(bound)
 
 
 def _grown(d: Direction, grown: Mapping[Key, Fit]) -> float:
