@@ -22,6 +22,7 @@ def test_a_contact_that_leans_with_depth_is_off_centre_and_no_saturation(tmp_pat
     assert names(findings) == [("off_centre", "rig")]
 
 
+@pytest.mark.slow
 def test_a_lean_that_steps_may_feign_is_said_and_not_excluded(tmp_path):
     findings = found(record(tmp_path, "off_centre", "lean", size=0.5, seed=0, layout="row_5mm", noise="white"))
     reasons = [u["because"] for u in findings["untestable"] if (u["cause"], u.get("where")) == ("off_centre", "rig")]

@@ -59,6 +59,7 @@ def test_no_other_cause_is_taken_for_an_exchange(tmp_path, cause, form, where, s
             assert not asked(recordings)[1]
 
 
+@pytest.mark.slow
 def test_neither_are_silent_taxels_gains_or_a_spread_of_another_shape(tmp_path):
     recordings = record_at(tmp_path / "plain", ALONG, seed=1, taxels=4, **SHORT)
     for gains in ((1.0, 0.0, 1.0, 1.0), (0.0, 1.0, 1.0, 1.0), (1.0, 1.0, 0.4, 1.0), (3.0, 1.0, 1.0, 1.0)):

@@ -43,6 +43,7 @@ def driven_at(folder, contacts, *hidden, **how):
 
 
 @pytest.mark.parametrize(("cause", "form", "where"), [(None, None, None), ("lag", "one_pole", "taxel_1")])
+@pytest.mark.slow
 def test_the_same_where_a_force_drives_the_test(tmp_path, cause, form, where):
     recordings = driven_at(tmp_path, ((0, 0), (7, 0), (-7, 0), (4, 0)), cause, form, where, size=2.0)
     assert names(found(recordings)) == ([(cause, where)] if cause else [])
@@ -61,6 +62,7 @@ def test_the_loop_of_one_taxel_is_named_or_admitted(tmp_path):
     assert ("hysteresis", "taxel_0") in names_or_rivals(findings) and len(names(findings)) == 1
 
 
+@pytest.mark.slow
 def test_a_spread_that_widens_with_depth_is_told_from_sessions_at_several_places(tmp_path):
     findings = found(record_at(tmp_path, ROW, seed=5, also=[(Spread("deepening"), 0.05)], **HOW))
     assert names(findings) == [("spread_depth", "skin")]

@@ -25,6 +25,7 @@ def test_doubt_is_said_and_excludes_nothing_there(tmp_path, hide, seed, taxels, 
     assert (cause, where) not in {(e["cause"], e.get("where")) for e in findings["excluded"]}
 
 
+@pytest.mark.slow
 def test_what_may_be_the_imperfect_form_of_a_larger_cause_is_in_doubt(tmp_path):
     """A loop of a taxel as large as the noise, under relaxation of eight times that: in no form is that quite the skin's."""
     hidden = [Hide("stress_relaxation", "skin", None, 8.0), Hide("hysteresis", "taxel_0", None, 1.0)]

@@ -88,6 +88,7 @@ def test_what_a_model_with_an_effect_lacks_is_named_and_the_effect_stays():
     assert findings["extended"]["parameters"]["lag.load_cell.tau"]["value"] == 1e-6
 
 
+@pytest.mark.slow
 def test_of_two_arms_the_one_that_a_model_has_is_not_found():
     """What it lacks is told by its own numbers alone."""
     slow, quick = (StressRelaxation("skin", k_sensed=1500.0, k_dispersed=500.0, tau=tau) for tau in (3.0, 0.3))

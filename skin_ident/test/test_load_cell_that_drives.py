@@ -65,11 +65,13 @@ def test_nothing_is_named_where_nothing_is_wrong_and_every_cause_of_the_load_cel
 
 
 @pytest.mark.parametrize(("cause", "form", "seed"), [("gain_error", "step", 1), ("force_offset", "constant", 3)])
+@pytest.mark.slow
 def test_what_one_taxel_of_several_has_is_no_fault_of_the_load_cell(tmp_path, cause, form, seed):
     _, names = answers(driven(tmp_path, cause, "taxel_0", form, seed=seed, taxels=3))
     assert (cause, "taxel_0") in names and not any(where == "load_cell" for _, where in names), names
 
 
+@pytest.mark.slow
 def test_a_taxel_that_comes_late_is_no_load_cell_that_does(tmp_path):
     late = [replace(r, taxels=np.array([np.interp(r.t - 0.03, r.t, y) for y in r.taxels])) for r in driven(tmp_path)]
     _, names = answers(late)

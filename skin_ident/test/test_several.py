@@ -44,6 +44,7 @@ def session(seed):
 
 
 @pytest.mark.parametrize("seed", rows(range(2), 1))
+@pytest.mark.slow
 def test_a_load_cell_that_lags_above_skin_that_locks_is_no_mount_of_two_forms(seed):
     made = [session(10 * seed + i) for i in range(3)]
     findings = diagnose(made[:2], made[2:]).findings["findings"]

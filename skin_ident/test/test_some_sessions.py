@@ -76,6 +76,7 @@ def test_a_gain_that_may_as_well_be_skin_is_not_ruled_out(tmp_path, seed):
     assert "taxel" in named | noted or bounds["taxel"] > 0.025, (bounds, findings["untestable"])
 
 
+@pytest.mark.slow
 def test_what_zeros_do_in_its_place_is_no_finding_and_the_search_goes_on(tmp_path, monkeypatch):
     monkeypatch.setattr(partly, "take_tare", lambda search, finding: finding not in search.yielded and not search.yielded.append(finding))
     train, held = month(tmp_path, *SINCE[0])
@@ -108,6 +109,7 @@ def test_skin_that_differs_by_more_than_specimens_do_is_a_finding_with_the_numbe
         assert before == pytest.approx([gain["held_out_rmse_before"]] * 2), "one skin of all sessions, everywhere"
 
 
+@pytest.mark.slow
 def test_what_all_sessions_have_is_found_beside_skin_that_differs(tmp_path):
     sessions, _ = make_sessions([Hide("lag", "taxel", "one_pole", 1.5)], seed=11, protocol="full", between=0.01, n_taxels=2)
     write_case(sessions, tmp_path)

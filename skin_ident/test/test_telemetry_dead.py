@@ -260,6 +260,7 @@ def test_what_else_a_dead_taxel_has_is_untestable_and_one_row_of_the_report(tmp_
     assert rows == ["hysteresis, dead zone, gain error, force offset, drift, saturation, quantization, lag and noise in taxel 0"]
 
 
+@pytest.mark.slow
 def test_a_taxel_that_dies_early_does_not_silence_what_the_others_say(tmp_path):
     """Where one channel is not believed none is; of this taxel a third of one session is left, and of the load cell everything."""
     sessions = make_sessions("null", seed=23, n_sessions=3, n_taxels=2, noise="white")[0]

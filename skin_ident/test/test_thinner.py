@@ -65,6 +65,7 @@ def test_rows_come_back_to_every_sample():
 
 
 @pytest.mark.parametrize("seed", rows(range(4), 1))
+@pytest.mark.slow
 def test_a_fast_record_with_nothing_wrong_says_so(seed, tmp_path):
     assert seek(tmp_path, None, seed=500 + seed, rate=500.0).findings["verdict"] == "nothing_wrong"
 

@@ -68,6 +68,7 @@ def test_a_twin_that_is_right_is_left_in_peace():
     assert diagnose(MEASURED[:2], MEASURED[2:], twins=right).findings["verdict"] == "nothing_wrong"
 
 
+@pytest.mark.slow
 def test_wrong_numbers_of_a_twin_are_called_so():
     soft = replace(REAL, dispersion=replace(SKIN, k1=0.8 * SKIN.k1))
     outcome = diagnose(MEASURED[:2], MEASURED[2:], twins=[recorded(soft, i, name="twin") for i in range(3)])
@@ -125,6 +126,7 @@ def test_clocks_that_cover_each_other_by_chance_begin_together(late):
     assert np.std(said[0] - TWINS[0].force) < 1e-3 * np.std(TWINS[0].force) and "another clock" in warnings[0]
 
 
+@pytest.mark.slow
 def test_a_dead_taxel_says_what_it_says_whatever_its_twin_says():
     """Every session of the twin answers; the measured taxel_1 does not, and nothing is left of it to be explained."""
     level = 0.37
@@ -179,6 +181,7 @@ def test_a_twin_without_depth_keeps_its_clock_where_its_damping_is_wrong():
         assert any("its clock is set" in w for w in warnings) is moved
 
 
+@pytest.mark.slow
 def test_a_twin_that_rubs_where_the_rig_does_not_is_told_so():
     """No friction is less than none: a twin with too much of it was told hysteresis of the load cell."""
     plain = Model(SKIN, (1.0, 0.4))

@@ -13,6 +13,7 @@ SINE = "{type: sine, offset_mm: 0.4, amplitude_mm: 0.3, frequency_hz: 0.5, perio
 AIR = "{type: free_air, clearance_mm: 1.0, duration_s: 0.5}"
 
 
+@pytest.mark.slow
 def test_the_session_ends_at_the_tare(tmp_path):
     with rig.Testbed(None, seed=1, time_scale=5.0) as running:
         running.execute(rig.TARE)
