@@ -17,8 +17,7 @@ def scanned(session, samples: int, order: list[int]):
     return replace(session, **{name: getattr(session, name)[60:] for name in ("t", "x", "force")}, taxels=taxels[60:])
 
 
-@pytest.mark.parametrize(("order", "sign"), rows([([0, 1, 2], 1.0), ([2, 1, 0], -1.0)], 1))
-@pytest.mark.slow
+@pytest.mark.parametrize(("order", "sign"), rows([([0, 1, 2], 1.0), ([2, 1, 0], -1.0)], 0))
 def test_taxels_that_are_read_in_turn_are_one_late_clock_and_not_a_lag_of_each(tmp_path, order, sign):
     sessions = make_sessions("null", seed=71, n_sessions=3, n_taxels=3)[0]
     write_case([scanned(s, 2, order) for s in sessions], tmp_path)

@@ -88,8 +88,7 @@ def names_left(pair: Pair, truth, seed: int) -> tuple[Experiment, set]:
     return found, said & set(pair.rivals)
 
 
-@pytest.mark.parametrize(("name", "truth"), rows(CASES, 2), ids=lambda x: x if isinstance(x, str) else x[0])
-@pytest.mark.slow
+@pytest.mark.parametrize(("name", "truth"), rows(CASES, 0), ids=lambda x: x if isinstance(x, str) else x[0])
 def test_recording_it_leaves_the_truth_alone(name, truth):
     found, left = names_left(PAIRS[name], truth, seed=1)
     assert truth in left, found.sentence("separating.yaml")

@@ -43,8 +43,7 @@ def session(seed):
     return Recording(f"session_{seed}", t, x[::fine], late[::fine] + noise[0], taxels)
 
 
-@pytest.mark.parametrize("seed", rows(range(2), 1))
-@pytest.mark.slow
+@pytest.mark.parametrize("seed", rows(range(2), 0))
 def test_a_load_cell_that_lags_above_skin_that_locks_is_no_mount_of_two_forms(seed):
     made = [session(10 * seed + i) for i in range(3)]
     findings = diagnose(made[:2], made[2:]).findings["findings"]

@@ -53,14 +53,12 @@ def looping(y: np.ndarray, t: np.ndarray) -> np.ndarray:
     return y - 0.06 * np.outer([0.0, 1.0, 0.0], z)
 
 
-@pytest.mark.parametrize("seed", rows([1, 5], 1))
-@pytest.mark.slow
+@pytest.mark.parametrize("seed", rows([1, 5], 0))
 def test_a_loop_of_a_taxel_that_reads_a_tenth_of_a_newton_is_told(seed):
     assert ("hysteresis", "taxel_1") in told(*(session(10 * seed + i, looping) for i in range(3)))[0]
 
 
-@pytest.mark.parametrize("late", rows([0.016, 0.024], 1))
-@pytest.mark.slow
+@pytest.mark.parametrize("late", rows([0.016, 0.024], 0))
 def test_a_load_cell_that_is_late_is_told_where_damping_cannot_take_it(late):
     """It takes 6 ms, which are the skin's own, and half a sample: beyond, the skin would give back what it never took."""
     (found,) = told(*(session(i, late=late) for i in range(3)))

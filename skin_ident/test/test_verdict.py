@@ -32,8 +32,7 @@ def late(r, samples):
     return replace(r, taxels=np.array([first, np.roll(second, samples), third]))
 
 
-@pytest.mark.parametrize(("spoil", "by"), rows([(bent, (1.0, 1.6, 0.6)), (late, (0, 40, -40))], 1))
-@pytest.mark.slow
+@pytest.mark.parametrize(("spoil", "by"), rows([(bent, (1.0, 1.6, 0.6)), (late, (0, 40, -40))], 0))
 def test_a_taxel_that_is_another_one_in_each_session_is_not_nothing(spoil, by):
     findings = diagnose([spoil(session(i), q) for i, q in enumerate(by)]).findings
     assert findings["verdict"] == ("partly_explained" if findings["findings"] else "unexplained")

@@ -96,7 +96,7 @@ def warning_sentences(v: View) -> list[str]:
 
 def _model_amounts(entries: Any, alone: bool) -> tuple[Amount, ...]:
     """The parameters of a model: those of the dispersion model (`k1`), and those of its effects (`stress_relaxation.skin.tau`)."""
-    entries = {str(name): entry for name, entry in mapping(entries).items() if not (alone and str(name).endswith("_sensed"))}
+    entries = _felt({str(name): entry for name, entry in mapping(entries).items()}, alone)
     parts: dict[tuple[str, str], list[str]] = {}
     for name in entries:
         if name.count(".") == 2:
@@ -107,8 +107,18 @@ def _model_amounts(entries: Any, alone: bool) -> tuple[Amount, ...]:
         for (cause, where), names in parts.items()
         for short in names
     }
-    said = {name: words.get(name) or label(name) for name in entries}
-    return tuple(_amount(name, entry, undivided(said[name]) if alone else said[name]) for name, entry in entries.items())
+    return tuple(_amount(name, entry, _said(words, name, alone)) for name, entry in entries.items())
+
+
+def _felt(entries: dict[str, Any], alone: bool) -> dict[str, Any]:
+    """The entries, by parameter, without those of the part that taxels feel where the load cell stands `alone`."""
+    return {name: entry for name, entry in entries.items() if not (alone and name.endswith("_sensed"))}
+
+
+def _said(words: dict[str, str], name: str, alone: bool) -> str:
+    """The words for a parameter, undivided where the load cell stands `alone`."""
+    said = words.get(name) or label(name)
+    return undivided(said) if alone else said
 
 
 def _amount(name: str, entry: Any, words: str, none: float = 0.0) -> Amount:
@@ -146,14 +156,11 @@ def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
 def _amounts(cause: str, where: str, entry: dict[str, Any], alone: bool) -> tuple[Amount, ...]:
     """The parameters of a finding, or of one of its alternatives. Where the load cell stands `alone`, those of the part that taxels feel
     are left out."""
-    every = {str(name).rpartition(".")[2]: size for name, size in mapping(entry.get("parameters")).items()}
-    sizes = {name: size for name, size in every.items() if not (alone and name.endswith("_sensed"))}
+    sizes = _felt({str(name).rpartition(".")[2]: size for name, size in mapping(entry.get("parameters")).items()}, alone)
     of = cause, where, tuple(sizes), tuple(map(text, sequence(mapping(entry.get("evidence")).get("forms"))))
     words, known = effect_words(*of), declared(*of)
     none = {name: p.neutral for name, p in known.items()}
-    said = {name: words.get(name) or label(name) for name in sizes}
-    said = {name: undivided(w) for name, w in said.items()} if alone else said
-    return tuple(_amount(name, size, said[name], none.get(name, 0.0)) for name, size in sizes.items())
+    return tuple(_amount(name, size, _said(words, name, alone), none.get(name, 0.0)) for name, size in sizes.items())
 
 
 def _bent(name: str, entry: dict[str, Any]) -> tuple[Amount, Amount]:

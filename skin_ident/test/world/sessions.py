@@ -135,8 +135,13 @@ def _sizes(rig, number, effect, a, known=None, coarse=1):
             left = visible_in_array(finished, base, OVER // coarse, rig.skin.shares())
         else:
             left = visible(finished, base, OVER // coarse)
+    return _over_noise(rig, *left)
+
+
+def _over_noise(rig, force, taxels):
+    """RMS over noise RMS of [force, taxel_0, …]."""
     floor = rig.noise_rms()
-    return [float(rms(left[0]) / floor["force"]), *(rms(left[1]) / np.array(floor["taxels"])).tolist()]
+    return [float(rms(force) / floor["force"]), *(rms(taxels) / np.array(floor["taxels"])).tolist()]
 
 
 def _beside(rig, which, scaled, clean):
@@ -149,8 +154,7 @@ def _beside(rig, which, scaled, clean):
         told, other = rig.finish(clean, 0, scaled), rig.finish(alone, 0, others)
         change = replace(told, force=told.force - other.force, taxels=told.taxels - other.taxels)
         force, taxels = visible(change, rig.base(0, 1), OVER)
-    floor = rig.noise_rms()
-    return float(max(rms(force) / floor["force"], *(rms(taxels) / np.array(floor["taxels"]))))
+    return max(_over_noise(rig, force, taxels))
 
 
 def _amplitude(rig, effect, hide):
