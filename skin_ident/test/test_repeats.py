@@ -41,6 +41,25 @@ def test_a_block_that_one_channel_repeats_is_a_data_error(channel, where, length
     assert f"{channel} alone" in found["evidence"]["why"]
 
 
+def at_rest(r, start: int, length: int):
+    """The recording with its plunger held still from `start` on, in noise of six steps."""
+    part, rng = slice(start, start + length), np.random.default_rng(3)
+    depth, force, taxels = r.depth.copy(), r.force.copy(), r.taxels.copy()
+    depth[part] = depth[start]
+    force[part] = force[start] + 6.0 * STEP * rng.standard_normal(length)
+    taxels[:, part] = taxels[:, start : start + 1] + 6.0 * STEP * rng.standard_normal((len(taxels), length))
+    return replace(r, depth=depth, force=force, taxels=taxels)
+
+
+@pytest.mark.parametrize("length", [40, 120])
+def test_a_block_sent_twice_in_a_hold_is_a_data_error_where_noise_would_have_changed_it(length):
+    """The depth does not tell then, but noise of several steps does not repeat."""
+    still = [read(at_rest(session(i), 1500, 500)) for i in range(2)]
+    (symptom,) = find_copies([with_block(still[0], "force", 1800, length, length), still[1]])
+    assert symptom.where == "load_cell" and f"{length} samples" in symptom.evidence["why"]
+    assert find_copies(still) == []
+
+
 def test_every_sample_of_the_block_is_left_out():
     recordings = [with_block(read(session(i)), "force", 1500, 300, 350) if i == 1 else read(session(i)) for i in range(3)]
     (symptom,) = find_copies(recordings)

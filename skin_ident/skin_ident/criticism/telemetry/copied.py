@@ -11,6 +11,8 @@ import numpy as np
 
 from skin_ident.criticism.telemetry.repeats import Repeat, repeats_of
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
+from skin_ident.criticism.telemetry.tails import smallest_step
+from skin_ident.estimators.scale import white_noise
 from skin_ident.recordings.digits import digits_of, nearest
 from skin_ident.stretches import marked
 
@@ -18,6 +20,7 @@ VALUES = 12  # fewest different values that a column must hold
 FEW, LIKELY = 64, 0.8  # samples at which two columns are compared first, and the share that must be equal there
 EQUAL = 0.98  # share of equal samples from which a column is a copy
 ELSEWHERE = 0.05  # share of its range by which the depth must differ between a stretch and its repetition in one channel
+NOISY = 2.0  # converter steps: white noise above it has three bits in every reading, so that no window of it occurs twice
 COLUMN, SESSION = "copied column", "copied session"  # kinds of copies
 
 
@@ -47,7 +50,8 @@ def _channel_blocks(recordings: list, known: dict[str, np.ndarray]) -> Iterator[
         read = [_as_read(r, channel) for r in recordings]
         kept = [at[~known[r.name][at]] for r, (at, _) in zip(recordings, read, strict=True)]
         again = repeats_of([digits[~known[r.name][at]][:, None] for r, (at, digits) in zip(recordings, read, strict=True)])
-        again = [r for r in (_on_grid(r, kept[r.at], kept[r.source]) for r in again) if _moved_otherwise(recordings, r, channel)]
+        again = [_on_grid(r, kept[r.at], kept[r.source]) for r in again]
+        again = [r for r in again if _moved_otherwise(recordings, r, channel) or _of_noise(recordings[r.at], r, channel)]
         if again:
             yield _copy(recordings, again, (channel,))
 
@@ -89,6 +93,13 @@ def _moved_otherwise(recordings: list, again: Repeat, channel: str) -> bool:
     changed = np.append(False, digits[1:] != digits[:-1])
     apart = [(one[here] - other[there])[changed] / max(np.ptp(one), 1e-300) for one, other in pairs]
     return any(2.0 * np.std(d) + abs(np.mean(d)) > ELSEWHERE for d in apart)
+
+
+def _of_noise(recording, again: Repeat, channel: str) -> bool:
+    """Whether the stretch holds noise of several converter steps, which does not repeat even where the motion does."""
+    here, _ = _places(again)
+    row = recording.channels[channel]
+    return white_noise(row[here]) > NOISY * (recording.step(channel) or smallest_step(row))
 
 
 def _places(again: Repeat) -> tuple[slice, slice]:
