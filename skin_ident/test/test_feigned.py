@@ -46,7 +46,7 @@ def asked(effect, encoder, rubbing: float = 0.0):
     after = fit(before.extended(effect), train, noise).model
     explained = cost_of(before, train, noise) - cost_of(after, train, noise)
     gain = held_out_gain(before, after, train, [held], noise)
-    claim = Claim((effect.cause, effect.where), gain, before, after, train)
+    claim = Claim(effect.key, gain, before, after, train)
     told = resolved(claim, noise, float(np.hypot(np.sqrt(12.0) * encoder[0], encoder[1])))
     by_encoder = by_noise(before, after, train, noise, explained) + by_steps(before, after, train, noise, encoder[1])
     return explained, by_encoder, gain, told

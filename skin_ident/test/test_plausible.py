@@ -26,7 +26,7 @@ def allowed(effect) -> bool:
     session = prepare(Recording("made", T, DEPTH, truth.force, truth.taxels))
     named = {"cause": effect.cause, "where": effect.where}
     fitted = SimpleNamespace(model=PLAIN.extended(effect))
-    return plausible(SimpleNamespace(key=(effect.cause, effect.where), ranked=SimpleNamespace(**named), fit=fitted), [session])
+    return plausible(SimpleNamespace(key=effect.key, ranked=SimpleNamespace(**named), fit=fitted), [session])
 
 
 @pytest.mark.parametrize(

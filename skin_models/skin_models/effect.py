@@ -70,6 +70,11 @@ class Effect(ABC):
         check_parameters(self)
 
     @property
+    def key(self) -> tuple[str, str]:
+        """Cause and where it sits: what findings name, and what several instances of one cause at one place share."""
+        return self.cause, self.where
+
+    @property
     def place(self) -> Place:
         """Where in the chain it acts. Raises `ModelError` for a `where` this effect cannot have."""
         word = "taxel" if self.taxel is not None else self.where

@@ -87,9 +87,17 @@ class Model:
         """The same model with `effect` taken out."""
         return replace(self, effects=tuple(e for e in self.effects if e is not effect))
 
+    def having(self, key: tuple[str, str]) -> tuple[Effect, ...]:
+        """The effects that carry one cause at one place (`Effect.key`), in the order given."""
+        return tuple(e for e in self.effects if e.key == key)
+
+    def lacking(self, *keys: tuple[str, str]) -> "Model":
+        """The same model without the effects that carry any of some causes at their places (`Effect.key`)."""
+        return replace(self, effects=tuple(e for e in self.effects if e.key not in keys))
+
     def listed_as(self, i: int, parameter: str) -> str:
         """A parameter of effect `i` as named in tables: cause.where.name, with name_2, … from the second of one cause and place on."""
-        keys = [(e.cause, e.where) for e in self.effects[: i + 1]]
+        keys = [e.key for e in self.effects[: i + 1]]
         number = keys.count(keys[i])
         return ".".join((*keys[i], parameter)) + (f"_{number}" if number > 1 else "")
 

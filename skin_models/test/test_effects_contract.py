@@ -294,3 +294,14 @@ def test_an_unknown_cause_place_or_form_is_named_with_what_there_is():
     content = {"cause": "rate_dependence", "where": "skin", "form": "cubic", "parameters": {}}
     with pytest.raises(ModelError, match="cubic"):
         model_from_dict({**model_to_dict(Model(Dispersion(b1=9.0, k1=96.0, b2=6.0, k2=27.0))), "effects": [content]})
+
+
+def test_a_model_tells_its_effects_by_cause_and_place():
+    lags = [effect_class("lag", "taxel").typical(where) for where in ("taxel", "taxel_1", "taxel")]
+    drift = effect_class("drift", "taxel").typical("taxel_1")
+    model = Model(Dispersion(b1=9.0, k1=96.0, b2=6.0, k2=27.0), shares=(0.3, 1.0), effects=(*lags, drift), name="mine")
+    assert [e.key for e in model.effects] == [("lag", "taxel"), ("lag", "taxel_1"), ("lag", "taxel"), ("drift", "taxel_1")]
+    assert model.having(("lag", "taxel")) == (lags[0], lags[2]) and model.having(("drift", "taxel")) == ()
+    assert model.lacking(("lag", "taxel")) == replace(model, effects=(lags[1], drift))
+    assert model.lacking(("lag", "taxel"), ("lag", "taxel_1"), ("drift", "skin")).effects == (drift,)
+    assert model.lacking() == model and "key" not in model_to_dict(model)["effects"][0]

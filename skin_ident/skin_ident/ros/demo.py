@@ -163,7 +163,7 @@ def answer(hidden: Effect | None, findings: dict) -> str:
         return _both("nothing", [_at(f["cause"], f["where"]) for f in findings["findings"]])
     own, sizes, found = {p.name: p for p in parameters_of(hidden) if p.value}, [], []
     for f in findings["findings"]:
-        same = {n: q for n, q in f["parameters"].items() if n in own and (f["cause"], f["where"]) == (hidden.cause, hidden.where)}
+        same = {n: q for n, q in f["parameters"].items() if n in own and (f["cause"], f["where"]) == hidden.key}
         like = {n: [own[n].value, q["value"]] for n, q in same.items()}
         sizes += [f"{n} {amount(own[n].value, own[n].unit, like=like[n])}" for n in same]
         found.append(_at(f["cause"], f["where"], [f"{n} {amount(q['value'], q['unit'], q['std'], like[n])}" for n, q in same.items()]))

@@ -117,4 +117,4 @@ def _example(cls: type[Effect]) -> Effect:
 
 
 def _on_taxels(e: Effect) -> bool:
-    return e.place in (Place.TAXEL, Place.SPREAD) or (e.cause, e.where) == ("dead_zone", "skin")
+    return e.place in (Place.TAXEL, Place.SPREAD) or e.key == ("dead_zone", "skin")

@@ -60,7 +60,7 @@ def as_written(model: Model, a: ArrayCriticism | str, first: Session) -> Model:
 def unwritten(model: Model, a: ArrayCriticism | str) -> dict[Key, str]:
     """By cause and place: why the model from `as_written` lacks what was named there."""
     bent = [e for e in model.effects if is_of_array(e)]
-    keys = [(e.cause, e.where) for e in bent]
+    keys = [e.key for e in bent]
     if isinstance(a, str):
         return dict.fromkeys(keys, NOT_JUDGED)
     best = a.judgement.causes[:1] if a.named else ()

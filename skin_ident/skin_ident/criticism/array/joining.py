@@ -71,8 +71,7 @@ def _about(reason: dict[str, Any]) -> str | Key:
 
 def _in_words(entry: dict[str, Any], model: Model) -> dict[str, Any]:
     """An entry of the search, with a sentence if it stands for effects of the array."""
-    mine = (e for e in model.effects if (e.cause, e.where) == (entry["cause"], entry["where"]))
-    words = "; ".join(filter(None, map(changing, mine)))
+    words = "; ".join(filter(None, map(changing, model.having((entry["cause"], entry["where"])))))
     return {**entry, "evidence": {"why": words, **entry["evidence"]}} if words else entry
 
 

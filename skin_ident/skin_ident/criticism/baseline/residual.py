@@ -31,7 +31,7 @@ def placed(model: Model, session: Session) -> Model:
         own = {name: factor * getattr(model.dispersion, name) for name, factor in session.skin.items()}
         model = replace(model, dispersion=replace(model.dispersion, **own))
     if session.lacks:
-        model = replace(model, effects=tuple(e for e in model.effects if (e.cause, e.where) not in session.lacks))
+        model = model.lacking(*session.lacks)
     if session.spread is None:
         return model
     effects = tuple(at_place(e, session) for e in model.effects)

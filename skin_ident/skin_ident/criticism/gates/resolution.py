@@ -62,7 +62,7 @@ def of_the_converter(claim: Claim) -> bool:
     """Whether a good converter may do it: bend a reading by its integral nonlinearity, or make a loop of it by the hysteresis that keeps a
     reading from flickering between two levels."""
     step = converter_step(claim.train, claim.channel)
-    loops = [e for e in claim.after.effects if isinstance(e, SensorHysteresis) and (e.cause, e.where) == claim.key]
+    loops = [e for e in claim.after.having(claim.key) if isinstance(e, SensorHysteresis)]
     if loops:
         return max(loops, key=lambda e: abs(e.relative)).threshold <= UNFLICKERING * step
     return claim.cause in OF_READING and claim.gain.squares <= (INTEGRAL * step) ** 2

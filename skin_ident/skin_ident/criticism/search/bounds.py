@@ -117,7 +117,7 @@ def _grown(d: Direction, grown: Mapping[Key, Fit]) -> float:
     mine = [
         (getattr(e, d.parameter), found.std.get(found.model.listed_as(i, d.parameter), 0.0))
         for i, e in enumerate(found.model.effects)
-        if (e.cause, e.where) == d.key and type(d.effect) in (type(e), e.refines)
+        if e.key == d.key and type(d.effect) in (type(e), e.refines)
     ]
     return max((abs(value) + 1.96 * std for value, std in mine), default=0.0) / d.size
 

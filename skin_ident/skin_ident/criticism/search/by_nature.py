@@ -11,7 +11,6 @@ from functools import cached_property
 import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual
-from skin_ident.criticism.search.growing import instances, lacking
 from skin_ident.criticism.search.rivals import Rival, reach
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.one_rate import at_one_rate
@@ -58,7 +57,7 @@ class Instances:
     @cached_property
     def effects(self) -> tuple[Effect, ...]:
         """The effects of the trial's model that carry its cause at its place."""
-        return instances(self.trial.fit.model, *self.key)
+        return self.trial.fit.model.having(self.key)
 
     def have(self, *forms: type[Effect]) -> bool:
         """Whether one of the effects is of one of these classes."""
@@ -133,7 +132,7 @@ def _heard_by_neighbours(mine: Instances) -> Iterator[Key]:
 def _told_by_taxels_alone(mine: Instances) -> bool:
     """Whether nearly all of the effect is under the taxels, and the load cell, which should feel it, is simulated no better with it."""
     with_it = mine.trial.fit.model
-    without = lacking(with_it, *mine.key)
+    without = with_it.lacking(mine.key)
     sensed, dispersed = mine.amounts()
     after, before = (sum(np.sum(residual(model, s)[0] ** 2) for s in mine.sessions) for model in (with_it, without))
     return sensed > SENSED * (sensed + dispersed) and ("force" not in mine.sessions[0].channels or after > UNTOLD * before)
@@ -206,4 +205,4 @@ def _beside_the_taxels(trial: Trial) -> bool:
         sensed, dispersed = (abs(getattr(e, name, 0.0)) for name in ("k_sensed", "k_dispersed"))
         return sensed + SURE * std.get(model.listed_as(i, "k_sensed"), 0.0) < ALONE * dispersed
 
-    return bool(model.shares) and all(beside(i, e) for i, e in enumerate(model.effects) if (e.cause, e.where) == trial.key)
+    return bool(model.shares) and all(beside(i, e) for i, e in enumerate(model.effects) if e.key == trial.key)

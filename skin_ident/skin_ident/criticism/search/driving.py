@@ -22,7 +22,6 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.courses.run import Run
-from skin_ident.criticism.search.growing import instances, lacking
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.sessions.session import Session
@@ -53,9 +52,7 @@ class _Change:
     def rows(self) -> list[tuple[np.ndarray, ...]]:
         """By session, in the band: the rate of the driving force (n,), then in the taxels (T, n) the simulation without the cause, what the
         cause adds to it, and the residual with the cause."""
-        plain = self.model
-        for key in self.keys:
-            plain = lacking(plain, *key)
+        plain = self.model.lacking(*self.keys)
         return [self._of(s, plain) for s in self.sessions]
 
     def _of(self, s: Session, plain: Model) -> tuple[np.ndarray, ...]:
@@ -98,7 +95,7 @@ class _Change:
     @property
     def early(self) -> bool:
         """Whether damping that differs between the way in and the way out makes the taxels read before the load cell on either way."""
-        d, more = self.model.dispersion, sum(getattr(e, "c_sensed", 0.0) for e in instances(self.model, *self.keys[0]))
+        d, more = self.model.dispersion, sum(getattr(e, "c_sensed", 0.0) for e in self.model.having(self.keys[0]))
         return d.k1 > 0.0 and (d.b1 + abs(more)) / d.k1 > d.recovery
 
 
@@ -166,7 +163,7 @@ def _inverse(change: _Change) -> Iterator[Key]:
 def _of_damping(change: _Change) -> Iterator[Key]:
     """Damping that hardly grows with speed may be friction, if the taxels stay behind by it. Damping that differs between the way in and
     the way out may be a lag that does."""
-    effects = instances(change.model, *change.keys[0])
+    effects = change.model.having(change.keys[0])
     slow = any(isinstance(e, EyringDamping) or (isinstance(e, PowerDamping) and e.exponent < 1.0) for e in effects)
     if slow and change.ahead < 0.0:
         yield FRICTION

@@ -14,7 +14,6 @@ from dataclasses import replace
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
 from skin_ident.criticism.search.believing import first_believed
 from skin_ident.criticism.search.choosing import choose
-from skin_ident.criticism.search.growing import instances, lacking
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import take_course
 from skin_ident.criticism.search.rivals import CHANCE, PROMISING, Rival, reach
@@ -95,7 +94,7 @@ def _for_rival(search: Search, finding: Named) -> bool:
     """Replace `finding` by the rival beside which another cause is believed, where both together explain more than the present account."""
     known = {n.key for n in search.named}
     for rival in (r for r in finding.alternatives if r.key not in known):
-        own = instances(rival.model, *rival.key) if rival.model else ()
+        own = rival.model.having(rival.key) if rival.model else ()
         if own and _taken(search, finding, rival, own):
             return True
     return False
@@ -105,7 +104,7 @@ def _taken(search: Search, finding: Named, rival: Rival, own: tuple[Effect, ...]
     """Whether the `own` effects of a rival were put in the place of `finding`: beside the rival another cause is believed, and the rival
     beside it."""
     search.progress(f"testing {rival.cause} in the {rival.where} with a second cause instead")
-    rest = lacking(search.present.model, *finding.key)
+    rest = search.present.model.lacking(finding.key)
     ahead = _ahead(search, finding, replace(rest, effects=(*rest.effects, *own)))
     last, alone = ahead.look(), ahead.present
     lacks = alone.cost - cost_of(search.present.model, ahead.train, ahead.noise)
@@ -128,8 +127,8 @@ def _taken(search: Search, finding: Named, rival: Rival, own: tuple[Effect, ...]
 def _as_good_with(search: Search, ahead: Search, finding: Named, rival: Rival, after: Fit) -> bool:
     """Whether the fit `after`, of a `rival` and another cause beside it, is no better than with `finding` in the rival's place: then that
     other cause speaks for neither."""
-    rest = lacking(after.model, *rival.key)
-    own = instances(search.present.model, *finding.key)
+    rest = after.model.lacking(rival.key)
+    own = search.present.model.having(finding.key)
     return fit(replace(rest, effects=(*rest.effects, *own)), ahead.train, ahead.noise).cost < after.cost + CHANCE
 
 
@@ -141,7 +140,7 @@ def _become(search: Search, ahead: Search, finding: Named) -> None:
 
 def _without(search: Search, finding: Named) -> Search:
     """The state in which everything but `finding` has been named."""
-    return _ahead(search, finding, lacking(search.present.model, *finding.key))
+    return _ahead(search, finding, search.present.model.lacking(finding.key))
 
 
 def _ahead(search: Search, finding: Named, model: Model) -> Search:

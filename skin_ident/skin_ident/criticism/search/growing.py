@@ -169,7 +169,7 @@ def determined(trial: Fit, std: dict[str, float] | None = None) -> bool:
 
 def felt(model: Model, key: Key, sessions: list[Session]) -> np.ndarray:
     """What a cause at a place changes in every channel of the sessions, (C,) N: root of the sum of squares."""
-    without = lacking(model, *key)
+    without = model.lacking(key)
     return np.sqrt(sum(np.sum((simulated(model, s) - simulated(without, s)) ** 2, axis=1) for s in sessions))
 
 
@@ -218,19 +218,3 @@ def _adds(d: Direction, model: Model) -> bool:
     """Whether another instance could add anything new: two delays are one delay, but two relaxation times are two."""
     shaped = any(p.role == SHAPE for p in parameters_of(d.effect))
     return shaped or not any(type(d.effect) in (type(e), e.refines) and e.where == d.where for e in model.effects)
-
-
-def instances(model: Model, cause: str, where: str) -> tuple[Effect, ...]:
-    """The effects of a model that carry one cause at one place."""
-    return tuple(e for e in model.effects if (e.cause, e.where) == (cause, where))
-
-
-def lacking(model: Model, cause: str, where: str) -> Model:
-    """The model without the effects that carry one cause at one place."""
-    return replace(model, effects=tuple(e for e in model.effects if (e.cause, e.where) != (cause, where)))
-
-
-def negligible(e: Effect) -> bool:
-    """Whether every amplitude of an effect is within what good hardware has anyway."""
-    sizes = [p for p in parameters_of(e) if p.role == AMPLITUDE]
-    return bool(sizes) and all(abs(p.value) <= p.negligible for p in sizes)

@@ -15,7 +15,6 @@ from skin_ident.criticism.gates.claim import Claim
 from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.gates.resolution import converter_step, of_the_converter, of_the_drive, resolved, unreadable
 from skin_ident.criticism.noise.whitening import Whitener
-from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.named import NotNamed
 from skin_ident.criticism.vocabulary import SWALLOWS, Key
 from skin_models.effect import Effect
@@ -34,6 +33,12 @@ def converter_does(claim: Claim) -> NotNamed | None:
     step = converter_step(claim.train, claim.channel)
     why = f"it would {_worth(claim.gain)}, but a converter with steps of {step:.2g} N may cause as much by itself"
     return _usual(why, f"a {claim.channel} read in finer steps, or a larger force")
+
+
+def negligible(e: Effect) -> bool:
+    """Whether every amplitude of an effect is within what good hardware has anyway."""
+    sizes = [p for p in parameters_of(e) if p.role == AMPLITUDE]
+    return bool(sizes) and all(abs(p.value) <= p.negligible for p in sizes)
 
 
 def stage_is_off(effects: list[Effect], gain: Gain) -> NotNamed | None:
@@ -60,7 +65,7 @@ def _drive_crosses(claim: Claim) -> NotNamed | None:
         return None
     model = claim.after
     felt = model.dispersion.k1 if claim.key[1] == "skin" else stiffness(model, claim.channel)
-    applied = max(e.threshold for e in instances(model, *claim.key)) * stiffness(model, "force") / max(felt, 1e-9)
+    applied = max(e.threshold for e in model.having(claim.key)) * stiffness(model, "force") / max(felt, 1e-9)
     rest = np.concatenate([s.drive[drive_rests(s)] for s in claim.train])
     reach = max(tare_of_drive(claim.train).leaves, CROSSES * float(np.sqrt(np.mean(rest**2))) if rest.size else 0.0)
     why = f"it would take away {applied:.2g} N of the applied force, but noise and zero error of this force are up to {reach:.2g} N"
@@ -69,7 +74,7 @@ def _drive_crosses(claim: Claim) -> NotNamed | None:
 
 def too_short(key: Key, after: Model, encoder_step: float) -> NotNamed | None:
     """Why a cause that is a length is no finding, where the encoder does not read so finely; else None."""
-    length = unreadable(instances(after, *key), encoder_step)
+    length = unreadable(after.having(key), encoder_step)
     why = f"it would be {_micrometres(length)}, but the encoder reads no finer than {_micrometres(encoder_step)}"
     return _usual(why, FINER) if length else None
 

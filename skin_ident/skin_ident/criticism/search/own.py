@@ -14,7 +14,6 @@ from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.gates.uncertain import left_open
 from skin_ident.criticism.search.doubt import unproven, wandering
-from skin_ident.criticism.search.growing import lacking
 from skin_ident.criticism.search.hardware import tare_does
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
@@ -204,7 +203,7 @@ def _in_place_of_drift(search: Search, run: Run, finding: Named) -> tuple[Run, N
     drift = next((n for n in search.named if n.key == ("drift", run.course.where) and not n.courses), None)
     if run.course.carrier != ZERO or drift is None:
         return run, finding
-    bare = fit(lacking(search.present.model, *drift.key), search.train, search.noise)
+    bare = fit(search.present.model.lacking(drift.key), search.train, search.noise)
     alone = fitted(run.course, bare.model, search.train, search.noise)
     after = fit(bare.model, added(search.train, alone.values), search.noise)
     beside, _ = fit_beside(search, run)

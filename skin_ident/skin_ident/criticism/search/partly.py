@@ -32,7 +32,7 @@ from skin_ident.criticism.gates.gate import Gain, gain_of_residuals, held_out_ga
 from skin_ident.criticism.gates.second_opinion import halves_in_turn
 from skin_ident.criticism.noise.whitening import stack
 from skin_ident.criticism.search.believing import believed_in_part
-from skin_ident.criticism.search.growing import felt, lacking
+from skin_ident.criticism.search.growing import felt
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.plausible import plausible
 from skin_ident.criticism.search.ranking import AT_FULL_RATE
@@ -236,7 +236,7 @@ def _too_slight_to_tell(tried: _Tried) -> bool:
     key, model = tried.trial.key, tried.trial.fit.model
     if key[1].startswith(SENSORS):
         return False
-    having, without = [s for s in tried.ahead.train if key not in s.lacks], lacking(model, *key)
+    having, without = [s for s in tried.ahead.train if key not in s.lacks], model.lacking(key)
     force = np.sqrt(sum(np.sum(simulated(without, s) ** 2, axis=1) for s in having))
     return bool(np.all(felt(model, key, having) < SLIGHT * force))
 

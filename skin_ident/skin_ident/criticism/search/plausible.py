@@ -6,7 +6,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.unknowns import LATE, least_damping
-from skin_ident.criticism.search.growing import felt, instances, lacking, unlike_skin
+from skin_ident.criticism.search.growing import felt, unlike_skin
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.pull import is_pulled
@@ -23,12 +23,12 @@ def plausible(trial: Trial, sessions: list[Session]) -> bool:
 
 def _leaks_less_than_nothing(trial: Trial, sessions: list[Session]) -> bool:
     """Crosstalk is not negative: what leaks into a taxel has the sign of where it comes from."""
-    return trial.ranked.cause == "crosstalk" and any(getattr(e, "share", 0.0) < 0.0 for e in instances(trial.fit.model, *trial.key))
+    return trial.ranked.cause == "crosstalk" and any(getattr(e, "share", 0.0) < 0.0 for e in trial.fit.model.having(trial.key))
 
 
 def _spreads_both_ways(trial: Trial, sessions: list[Session]) -> bool:
     """A spread grows with depth or shrinks, not both."""
-    return len({np.sign(getattr(e, "growth", 0.0)) for e in instances(trial.fit.model, "spread_depth", "skin")}) > 1
+    return len({np.sign(getattr(e, "growth", 0.0)) for e in trial.fit.model.having(("spread_depth", "skin"))}) > 1
 
 
 def _is_no_skin(trial: Trial, sessions: list[Session]) -> bool:
@@ -40,7 +40,7 @@ def _never_yields(trial: Trial, sessions: list[Session]) -> bool:
     """An element of a loop that no motion is long enough to make yield is only a stiffness; other forms of a loop yield little by
     little."""
     farthest = max((float(s.motion.x.max()) for s in sessions if s.drive is None), default=np.inf)
-    loops = instances(trial.fit.model, *HYSTERESIS)
+    loops = trial.fit.model.having(HYSTERESIS)
     return trial.key == HYSTERESIS and all(type(e) is SkinHysteresis and e.threshold >= farthest for e in loops)
 
 
@@ -48,9 +48,9 @@ def _drives(trial: Trial, sessions: list[Session]) -> bool:
     """Skin is no motor: damping that depends on speed returns no more energy than it takes, neither under the taxels nor in all, but for
     what a late reading may make it seem to return."""
     model = trial.fit.model
-    if not instances(model, *DAMPING):
+    if not model.having(DAMPING):
         return False
-    without, skin = lacking(model, *DAMPING), model.dispersion
+    without, skin = model.lacking(DAMPING), model.dispersion
     under_taxels, in_all = least_damping(skin, LATE * sessions[0].period)
     spare = [(0, skin.b1 + skin.b2 - in_all)] if "force" in sessions[0].channels else []
     if model.shares:
@@ -65,7 +65,7 @@ def _drives(trial: Trial, sessions: list[Session]) -> bool:
 
 def _pulls_unseen(trial: Trial, sessions: list[Session]) -> bool:
     """Skin that pulls on the plunger shows in the record."""
-    return trial.key == ADHESION and not is_pulled(trial.fit.model, lacking(trial.fit.model, *trial.key), sessions)
+    return trial.key == ADHESION and not is_pulled(trial.fit.model, trial.fit.model.lacking(trial.key), sessions)
 
 
 def _passes_by_the_load_cell(trial: Trial, sessions: list[Session]) -> bool:

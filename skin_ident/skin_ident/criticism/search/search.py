@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.search.choosing import choose
-from skin_ident.criticism.search.growing import lacking
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import take_alone, take_course
 from skin_ident.criticism.search.own_skin import (
@@ -145,7 +144,7 @@ def eliminate(search: Search) -> bool:
     named = search.named
     asked = named[:-1] if named and named[-1].model is search.present.model else named
     for finding in reversed([n for n in asked if not (n.courses or n.only)]):
-        without = fit(lacking(search.present.model, *finding.key), search.train, search.noise)
+        without = fit(search.present.model.lacking(finding.key), search.train, search.noise)
         gain = search.gain(without.model, search.present.model, finding.where)
         if not (gain.passed or search.second_opinion(without.model, search.present.model, finding.where, gain).passed):
             search.present, search.named = without, [n for n in search.named if n is not finding]

@@ -10,7 +10,6 @@ from skin_ident.criticism.courses.left_by_tare import tare_of_drive, tares
 from skin_ident.criticism.courses.run import LEAST, least_depth
 from skin_ident.criticism.courses.tare import Zeros, added_by, zeros
 from skin_ident.criticism.gates.gate import own_channels
-from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.hardware import tare_does, zeros_do
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival
@@ -105,7 +104,7 @@ def _shared(search: Search, finding: Named) -> Zeros:
 
 
 def _offset_of(model: Model, finding: Named) -> float:
-    return sum(e.offset for e in instances(model, finding.cause, finding.where))
+    return sum(e.offset for e in model.having(finding.key))
 
 
 def take_tare_of_held(search: Search, cause: str, explained: float) -> bool:

@@ -13,7 +13,6 @@ from skin_ident.criticism.gates.claim import Claim
 from skin_ident.criticism.gates.gate import MATERIAL, MUCH, Gain
 from skin_ident.criticism.gates.resolution import resolved
 from skin_ident.criticism.search.believing import first_believed
-from skin_ident.criticism.search.growing import lacking
 from skin_ident.criticism.search.hardware import encoder_does
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, reach
@@ -75,7 +74,7 @@ def _beside(search: Search, first: Trial) -> Pair | None:
 def beside(ahead: Search, key: Key, after: Model) -> tuple[Model, Gain | None]:
     """The model `after` refitted without one cause and place `key`, and what that cause gains beside the rest; None where it is not
     believed."""
-    without = fit(lacking(after, *key), ahead.train, ahead.noise).model
+    without = fit(after.lacking(key), ahead.train, ahead.noise).model
     gain = ahead.gain(without, after, key[1])
     told = gain.passed and gain.shows_at(key[1])
     encoder = encoder_does(Claim(key, gain, without, after, ahead.train), ahead.noise, ahead.encoder_step) if told else None

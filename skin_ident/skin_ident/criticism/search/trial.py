@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from skin_ident.criticism.baseline.fitting import Fit
-from skin_ident.criticism.search.growing import determined, instances
+from skin_ident.criticism.search.growing import determined
 from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.vocabulary import Key
 from skin_models.parameter import AMPLITUDE, parameters_of
@@ -34,6 +34,6 @@ def sized(t: Trial) -> bool:
     """Whether the one amplitude of a cause is surely not zero at the fitted shape. Where only the product of amplitude and shape is
     determined, either may be anything, so the shape is held. A cause with several amplitudes always passes, since these may stand in for
     each other."""
-    mine = instances(t.fit.model, *t.key)
+    mine = t.fit.model.having(t.key)
     several = len(mine) > 1 or any(sum(p.role == AMPLITUDE for p in parameters_of(e)) > 1 for e in mine)
     return several or t.fit.model.effects[-1] not in mine or determined(t.fit, t.fit.std_in_shape)

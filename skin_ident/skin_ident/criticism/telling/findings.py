@@ -1,7 +1,6 @@
 """The content of findings.json, schema 1, from a finished criticism."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,6 @@ from skin_ident.criticism.baseline.unknowns import Unknown, values
 from skin_ident.criticism.pattern import FEWEST, in_sessions, pattern, span
 from skin_ident.criticism.said import Said
 from skin_ident.criticism.search.bounds import excluded_and_untestable
-from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.named import Criticism, Named, NotNamed
 from skin_ident.criticism.search.own_skin import strays
 from skin_ident.criticism.search.rivals import Rival
@@ -60,7 +58,7 @@ def found(
 ) -> dict[str, Any]:
     """One entry of `findings` for a cause named by the search. The first `had` effects belong to a given model and are not part of it;
     `driven` says whether force drives the sessions."""
-    effects = instances(replace(model, effects=model.effects[had:]), *named.key)
+    effects = [e for e in model.effects[had:] if e.key == named.key]
     parameters: dict[str, Any] = numbers_fitted(named, model, std) if named.key == PARAMETERS and not named.is_another_skin else {}
     for i, e in enumerate(model.effects):
         for p in parameters_of(e) if i >= had and e in effects else ():
@@ -154,7 +152,7 @@ def _sizes_of(rival: Rival, named: Named) -> dict[str, Any]:
     """Parameters of a rival in its own model; {} where it was not fitted as an effect."""
     had = named.before.effects if named.before is not None else ()
     new = [(i, e) for i, e in enumerate(rival.model.effects) if e not in had] if rival.model is not None else []
-    mine = [(i, e) for i, e in new if (e.cause, e.where) == rival.key]
+    mine = [(i, e) for i, e in new if e.key == rival.key]
     return {
         rival.model.listed_as(i, p.name).rsplit(".", 1)[1]: {"value": p.value, "unit": p.unit} for i, e in mine for p in parameters_of(e)
     }

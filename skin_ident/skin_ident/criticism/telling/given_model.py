@@ -33,8 +33,8 @@ def not_there(named: Named, model: Model, std: dict[str, float]) -> dict[str, st
         return all(abs(p.value) <= size for p, size in zip(sizes, most, strict=True))
 
     own = list(_of_given(named, model))
-    shown = {(e.cause, e.where) for i, given, e in own if not hardly(i, given, e)}  # one of two arms may be there
-    gone = dict.fromkeys((e.cause, e.where) for _, given, e in own if given != e and (e.cause, e.where) not in shown)
+    shown = {e.key for i, given, e in own if not hardly(i, given, e)}  # one of two arms may be there
+    gone = dict.fromkeys(e.key for _, given, e in own if given != e and e.key not in shown)
     without = " and ".join(cause_at(*key) for key in gone)
     return {"why": f"the given simulation has {without}, which the record hardly shows"} if without else {}
 
