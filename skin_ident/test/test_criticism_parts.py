@@ -19,10 +19,10 @@ from skin_ident.criticism.search.ranking import signed_pursuit
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.search.unstuck import unstuck
-from skin_ident.criticism.search.weighing import weighed, with_mass
+from skin_ident.criticism.search.weighing import with_mass
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.sessions.parting import JOLTED, impacts, parted
-from skin_ident.criticism.sessions.session import motion_under, prepare
+from skin_ident.criticism.sessions.session import motion_under, prepare, weighed
 from skin_ident.recordings.recording import Recording
 from skin_models.catalogue import effects
 from skin_models.dispersion import Dispersion

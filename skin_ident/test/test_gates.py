@@ -16,8 +16,8 @@ from skin_ident.criticism.search.own import own_course
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import survey
-from skin_ident.criticism.search.weighing import heaviest_of, held_again, lighter, tells_more, weighed, with_mass
-from skin_ident.criticism.sessions.session import prepare
+from skin_ident.criticism.search.weighing import heaviest_of, held_again, lighter, tells_more, with_mass
+from skin_ident.criticism.sessions.session import prepare, weighed
 from skin_ident.recordings.recording import Recording
 from skin_models.effects.backlash import Backlash
 from skin_models.effects.gain_error import GainStep

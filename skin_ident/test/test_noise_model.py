@@ -7,11 +7,11 @@ import pytest
 from scipy.signal import freqz, lfilter
 
 from skin_ident.criticism.noise.estimate import noise_model
-from skin_ident.criticism.noise.growth import load_of
 from skin_ident.criticism.noise.in_blocks import AT_ONCE, BLOCK, InBlocks
 from skin_ident.criticism.noise.predictor import AVERAGING, MEMORIES, whole
 from skin_ident.criticism.noise.taken import taken
 from skin_ident.criticism.noise.whitening import Stacked, fit_whitener, order_for, with_growth
+from skin_ident.criticism.sessions.load import load_of
 
 
 @dataclass(frozen=True)

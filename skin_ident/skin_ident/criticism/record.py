@@ -10,10 +10,9 @@ from skin_ident.criticism.array.spreading import with_believed_spread
 from skin_ident.criticism.baseline.fitting import fit, noise_of
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.start import dispersion_start
-from skin_ident.criticism.search.weighing import weighed
 from skin_ident.criticism.sessions.cutoff import Common, common_to
 from skin_ident.criticism.sessions.parting import meeting
-from skin_ident.criticism.sessions.session import Session, prepare, with_lines
+from skin_ident.criticism.sessions.session import Session, prepare, weighed, with_lines
 from skin_ident.criticism.sessions.thinner import thinner
 from skin_ident.criticism.telemetry.ceiling import find_ceilings
 from skin_ident.criticism.telemetry.clock import find_clock_faults

@@ -5,10 +5,9 @@ deviation is modelled as
 
     s_c(t) = s_c (1 + g_c min(|y_c(t) - y_c0|, y_c1) / y_c1).
 
-y_c is the reading of channel c, averaged over a quarter of a second so that it does not contain the noise itself. y_c0 is its reading at
-the smallest depths, and y_c1 the greatest load at which growth is fitted. A channel that reads about as far below y_c0 as above it is taken
-to feel no load. g_c minimises the description length of the innovations of a steady noise model, with exponentially distributed absolute
-values, because outliers would dominate squares. Noise is taken as steady unless growth is clearly shorter (`CLEARLY`).
+|y_c - y_c0| is the load of channel c (`sessions.load`), and y_c1 the greatest load at which growth is fitted. g_c minimises the description
+length of the innovations of a steady noise model, with exponentially distributed absolute values, because outliers would dominate squares.
+Noise is taken as steady unless growth is clearly shorter (`CLEARLY`).
 
 Source: A. C. Harvey, Estimating regression models with multiplicative heteroscedasticity, Econometrica 44 (1976) 461-465.
 """
@@ -17,14 +16,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
+
+from skin_ident.criticism.sessions.load import GREATEST_PERCENTILE
 
 GROWTHS = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 3.0])  # candidates for g_c: with more, air seems silent that stays on one step
-GREATEST = 99.0  # percentile of a channel's load that is taken as its greatest load
 CLEARLY = 10.0  # nats by which growth must shorten the description
-AVERAGED_S = 0.25  # s over which the reading is averaged, so that its own noise does not count as load
-LEAST_PRESSED = 0.1  # share of the samples, those of the smallest depths, that give the reading without load
-ONE_SIDED = 0.4  # ratio of the readings' reach to the one side of the zero and to the other, from which both are noise, not load
 
 
 class Channels(Protocol):
@@ -56,17 +52,6 @@ class Growth:
         return 1.0 + self.more[:, None] * np.minimum(s.load / self.greatest[:, None], 1.0)
 
 
-def load_of(measured: np.ndarray, depth: np.ndarray, spacing: float) -> np.ndarray:
-    """The load (C, n), N, of channels `measured` (C, n), N, sampled every `spacing` seconds at `depth` (n,), whatever their zero offsets
-    are. A channel that reads about equally far to both sides of its zero gets no load: its readings are mostly noise, which would seem to
-    grow with itself."""
-    resting = depth <= np.quantile(depth, LEAST_PRESSED)
-    averaged = uniform_filter1d(measured, max(round(AVERAGED_S / spacing), 1), axis=1, mode="nearest")
-    felt = averaged - np.median(measured[:, resting], axis=1, keepdims=True)
-    less, more = np.sort(np.abs(np.percentile(felt, [100.0 - GREATEST, GREATEST], axis=1)), axis=0)
-    return np.abs(felt) * (less < ONE_SIDED * more)[:, None]
-
-
 def growth(innovations: list[np.ndarray], sessions: list[Channels]) -> Growth:
     """Fits how the noise grows to the `innovations` [(C, n), …] of a steady noise model. Zeros are left-out samples."""
     size = np.concatenate([np.abs(w) for w in innovations], axis=1)
@@ -78,7 +63,7 @@ def growth(innovations: list[np.ndarray], sessions: list[Channels]) -> Growth:
 def _of_one(size: np.ndarray, load: np.ndarray) -> tuple[float, float]:
     """g_c and y_c1 (N) of one channel, by the shortest description of |innovation| `size` at `load`; g_c is 0 unless it is clearly shorter
     than that of steady noise."""
-    greatest = float(np.percentile(load, GREATEST)) if load.size else 0.0
+    greatest = float(np.percentile(load, GREATEST_PERCENTILE)) if load.size else 0.0
     if greatest <= 0.0:
         return 0.0, 1.0
     louder = [1.0 + g * np.minimum(load / greatest, 1.0) for g in GROWTHS]

@@ -16,10 +16,10 @@ from skin_ident.criticism.search.proposals import Direction, directions
 from skin_ident.criticism.search.search import eliminate, run
 from skin_ident.criticism.search.state import MOST_FINDINGS, Progress, Search
 from skin_ident.criticism.search.survey import noise_beside
-from skin_ident.criticism.search.weighing import unweigh, weighed
+from skin_ident.criticism.search.weighing import unweigh
 from skin_ident.criticism.sessions.beginning import at_rest
 from skin_ident.criticism.sessions.parting import moved, without_meeting_at, without_parting
-from skin_ident.criticism.sessions.session import Session, longest
+from skin_ident.criticism.sessions.session import Session, longest, weighed
 from skin_ident.criticism.sessions.surface import surface_of
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.usable import enough_is_compared

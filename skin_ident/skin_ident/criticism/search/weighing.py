@@ -24,7 +24,7 @@ from skin_ident.criticism.gates.gate import MATERIAL, breadth_of
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.state import Search
-from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.sessions.session import Session, having_all, weighed
 from skin_models.effects.inertia import Inertia
 from skin_models.model import Model
 from skin_models.signals import GRAVITY
@@ -33,16 +33,6 @@ LIGHTER = 0.5  # of the mass that was set; a fitted one below this contradicts i
 COUNTS = 0.25  # of what the best of all causes explains; a mass that explains less waits
 HANGS = 0.01  # kg; a mass set to this or more may hang on the load cell, while the skin's own does not
 OF_SKIN = 0.005  # kg, of a few square centimetres as thick as a finger's width: the most that skin under a plunger may weigh
-
-
-def weighed(sessions: list[Session], heaviest: float = np.inf) -> list[Session]:
-    """The sessions with the mass among their model's unknowns, at most `heaviest`, kg; with 0 it is held."""
-    return [replace(s, heaviest=heaviest) for s in sessions]
-
-
-def having_all(sessions: list[Session]) -> list[Session]:
-    """The sessions, all of which have every cause again."""
-    return [replace(s, lacks=frozenset()) for s in sessions]
 
 
 def with_mass(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | None:

@@ -6,9 +6,9 @@ from functools import cached_property
 
 import numpy as np
 
-from skin_ident.criticism.noise.growth import load_of
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.sessions.cutoff import ALONE, Common, beside_rounding
+from skin_ident.criticism.sessions.load import load_of
 from skin_ident.criticism.vocabulary import Key
 from skin_ident.recordings.staircase import drawn_again
 from skin_models.dispersion import Dispersion
@@ -47,7 +47,7 @@ class Session:
     beyond: np.ndarray | None = None  # (C, N) N, what a recorded twin adds to the model that stands in for it (see `twin`)
     stuck: Mapping[str, float] = field(default_factory=dict)  # N, constant readings of channels that respond to nothing
     clipped: frozenset[str] = frozenset()  # channels whose record itself shows a ceiling
-    heaviest: float = 0.0  # kg, upper bound of the model's mass, which is fitted, too; 0: the mass is held (see `weighing`)
+    heaviest: float = 0.0  # kg, upper bound of the model's mass, which is fitted, too; 0: the mass is held (see `search.weighing`)
     skin: Mapping[str, float] = field(default_factory=dict)  # factors on k1, b1, k2, b2 in this session (see `search.own_skin`)
     lacks: frozenset[Key] = frozenset()  # causes of the model, with places, that this session does not have (see `search.partly`)
     pinned: bool = False  # whether the shares are as `spread` says, and not fitted in each session (see `own_shares`)
@@ -124,6 +124,16 @@ def with_reference(sessions: list[Session]) -> list[Session]:
         return sessions
     first = max(range(len(sessions)), key=lambda i: sessions[i].spread.max())
     return [replace(s, reference=int(np.argmax(s.spread)) if i == first else None) for i, s in enumerate(sessions)]
+
+
+def weighed(sessions: list[Session], heaviest: float = np.inf) -> list[Session]:
+    """The sessions with the mass among their model's unknowns, at most `heaviest`, kg; with 0 it is held."""
+    return [replace(s, heaviest=heaviest) for s in sessions]
+
+
+def having_all(sessions: list[Session]) -> list[Session]:
+    """The sessions, all of which have every cause again."""
+    return [replace(s, lacks=frozenset()) for s in sessions]
 
 
 def longest(sessions: list[Session]) -> Session:
