@@ -22,7 +22,7 @@ COARSE = 0.01  # s between samples from which two decimals tell times apart
 JUMP = 2.0  # a frozen encoder catches up by a jump of more than this many times the 95th percentile of its steps
 SOFT, HARD = 30.0, 1e6  # N/m, range of plausible stiffness of a skin under a plunger; outside, a unit is suspected
 FAR_TOO_MUCH = 30.0  # times the applied force, which no taxel feels
-MOST, LEAST = 1.5, 0.01  # of the applied force: the most for all taxels together, the least for the strongest, without a warning
+MOST_FELT, LEAST_FELT = 1.5, 0.01  # of the applied force: the most for all taxels together, the least for the strongest, without a warning
 FAR_TOO_LITTLE = 0.002  # of the applied force: if the strongest taxel feels less, its unit is suspected
 SHALLOW = 20e-6  # m: smallest variation of the depth without a warning
 
@@ -238,9 +238,9 @@ def _proportions(r: Recording) -> list[str]:
     applied = None if r.force is None else _slope(r.force, r.depth)
     if not felt or not applied:
         return []
-    if MOST * applied < sum(felt) <= FAR_TOO_MUCH * applied:
+    if MOST_FELT * applied < sum(felt) <= FAR_TOO_MUCH * applied:
         return [f"the taxels together feel {sum(felt) / applied:.3g} times the applied force: check the units and calibrations"]
-    if max(felt) < LEAST * applied:
+    if max(felt) < LEAST_FELT * applied:
         return [
             f"the strongest taxel feels {100 * max(felt) / applied:.2g} % of the applied force: check its unit, or where the plunger is"
         ]

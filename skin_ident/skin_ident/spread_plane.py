@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-FEWEST = 5  # taxels needed for four unknowns
+FEWEST_TAXELS = 5  # taxels needed for four unknowns
 
 
 @dataclass(frozen=True)
@@ -40,8 +40,8 @@ def fit_plane(positions: np.ndarray, felt: np.ndarray, std: np.ndarray) -> Plane
     coarse grid, the standard errors are kept.
     """
     nan = float("nan")
-    if felt.size < FEWEST or np.linalg.matrix_rank(positions - positions.mean(axis=0), tol=1e-9) < 2:
-        return PlaneFit(nan, nan, nan, nan, (nan,) * 4, nan, f"needs {FEWEST} taxels that lie not all on one line")
+    if felt.size < FEWEST_TAXELS or np.linalg.matrix_rank(positions - positions.mean(axis=0), tol=1e-9) < 2:
+        return PlaneFit(nan, nan, nan, nan, (nan,) * 4, nan, f"needs {FEWEST_TAXELS} taxels that lie not all on one line")
     if not felt.max() > 0.0:
         return PlaneFit(nan, nan, nan, nan, (nan,) * 4, nan, "nothing is felt")
     weight = 1.0 / np.maximum(std, 1e-6 * np.abs(felt).max())

@@ -7,8 +7,9 @@ import pytest
 from test_faults import SKIN, session
 
 from skin_ident.criticism.diagnose import diagnose
-from skin_ident.criticism.telemetry.more_than_applied import KIND, find_more_than_applied
+from skin_ident.criticism.telemetry.more_than_applied import find_more_than_applied
 from skin_ident.criticism.telemetry.odd_session import put_right
+from skin_ident.criticism.vocabulary import MORE_THAN_APPLIED
 from skin_models.signals import motion
 
 SHALLOW, DEEP = 4.0, 8.0  # of the usual strokes, of which nearly half is in the air
@@ -40,7 +41,7 @@ def share():
 @pytest.mark.parametrize(("change", "said"), [(exchanged, "exchanged"), (kilograms, "kilograms-force")])
 def test_what_no_skin_does_is_said_with_what_would_explain_it(change, said):
     (symptom,) = find_more_than_applied(sessions(change))
-    assert (symptom.cause, symptom.where, symptom.evidence["kind"]) == ("data_error", "load_cell", KIND)
+    assert (symptom.cause, symptom.where, symptom.evidence["kind"]) == ("data_error", "load_cell", MORE_THAN_APPLIED)
     assert set(symptom.alternatives) == RIVALS and said in symptom.evidence["why"]
     expected = 1.0 / share() if change is exchanged else 9.80665 * share()
     assert symptom.parameters["ratio"]["value"] == pytest.approx(expected, rel=0.03)

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-NEAR = 1.15  # ratio to the floor, up to which the residual counts as noise: floors of two sessions differ by as much
+AT_FLOOR = 1.15  # ratio to the floor, up to which the residual counts as noise: floors of two sessions differ by as much
 
 
 def above_noise(findings: dict[str, Any]) -> tuple[str, float] | None:
@@ -10,7 +10,7 @@ def above_noise(findings: dict[str, Any]) -> tuple[str, float] | None:
     floors, gains = _mapping(findings.get("noise_floor")), _mapping(findings.get("gain_by_channel"))
     errors = _mapping(_mapping(findings.get("extended")).get("rmse"))
     ratios = {c: _ratio(floors.get(c), errors.get(c), gains.get(c)) for c in errors}
-    far = {c: r for c, r in ratios.items() if r is not None and r > NEAR}
+    far = {c: r for c, r in ratios.items() if r is not None and r > AT_FLOOR}
     return max(far.items(), key=lambda q: q[1]) if far else None
 
 

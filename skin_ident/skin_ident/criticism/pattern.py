@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-FEWEST = 4  # sessions needed for a pattern
+FEWEST_SESSIONS = 4  # sessions needed for a pattern
 APART, STEP = 8.0, 6.0  # distance of two levels in standard deviations within them, in any order, and as one step in time
 OF_FEW = 6.0  # over the squared degrees of freedom: relative increase of that distance for few sessions
 STRAIGHT = 0.92  # share of the variance that a straight line explains if numbers rise steadily
@@ -75,7 +75,7 @@ def pattern(values: Mapping[str, float], unit: str) -> str:
     """The pattern of numbers by session (in the SI `unit`), as words that follow a noun; "" where there is none or sessions are few."""
     order, said = in_order(values), shown(values)
     y = np.array([values[n] for n in order])
-    if len(y) < FEWEST or np.ptp(y) == 0.0:
+    if len(y) < FEWEST_SESSIONS or np.ptp(y) == 0.0:
         return ""
     upper = _upper_level(y)
     line = np.polyval(np.polyfit(np.arange(len(y)), y, 1), np.arange(len(y)))
@@ -86,7 +86,7 @@ def pattern(values: Mapping[str, float], unit: str) -> str:
     if 1.0 - np.sum((y - line) ** 2) / np.sum((y - y.mean()) ** 2) > STRAIGHT:
         return f"{verb} steadily {ends}"
     ranks = np.argsort(np.argsort(y))
-    in_line = abs(np.corrcoef(ranks, np.arange(len(y)))[0, 1]) > IN_ORDER and len(y) > FEWEST
+    in_line = abs(np.corrcoef(ranks, np.arange(len(y)))[0, 1]) > IN_ORDER and len(y) > FEWEST_SESSIONS
     return f"{verb} on the whole {ends}" if in_line else ""
 
 

@@ -7,18 +7,26 @@ Names and meanings are fixed: reports, tests and other people's tools rely on th
 from dataclasses import dataclass
 
 Key = tuple[str, str]  # a cause and its place
-SWALLOWS = "dead_zone"
 SENSORS = ("load_cell", "taxel")  # beginnings of the places of sensors
 
-# Causes that rules of physics refer to.
+# Causes that other code refers to, wherever they are.
+FORCE_OFFSET, POSITION_OFFSET, GAIN_ERROR, DEAD_ZONE = "force_offset", "position_offset", "gain_error", "dead_zone"
+# A tone may explain part of the residual, but it is looked for at full rate (`telemetry.lines`) and not named by the search: of one above
+# the common band only its alias is left, a slow wave or a constant.
+AT_FULL_RATE = "interference"
+
+# Causes at their places that rules of physics refer to: those of the skin, those of other places, and those of the load cell.
 PARAMETERS, DAMPING, STIFFER = ("parameters", "skin"), ("rate_dependence", "skin"), ("nonlinear_stiffness", "skin")
 HYSTERESIS, RELAXATION, ADHESION = ("hysteresis", "skin"), ("stress_relaxation", "skin"), ("adhesion", "skin")
-OFFSET, LATE_DEPTH, LEAKS = ("position_offset", "rig"), ("time_shift", "clock_depth"), ("crosstalk", "taxel")
-LOOP_OF_LOAD_CELL, CREEP_OF_LOAD_CELL = ("hysteresis", "load_cell"), ("drift", "load_cell")
+ZERO_OF_DEPTH, LATE_DEPTH, LEAKS = ("position_offset", "rig"), ("time_shift", "clock_depth"), ("crosstalk", "taxel")
+ZERO_OF_LOAD_CELL, GAIN_OF_LOAD_CELL = ("force_offset", "load_cell"), ("gain_error", "load_cell")
+CREEP_OF_LOAD_CELL, LAG_OF_LOAD_CELL, LOOP_OF_LOAD_CELL = ("drift", "load_cell"), ("lag", "load_cell"), ("hysteresis", "load_cell")
+CEILING_OF_LOAD_CELL, FRICTION_OF_LOAD_CELL = ("saturation", "load_cell"), ("friction", "load_cell")
 
 # Kinds of `data_error` that other code refers to.
 EXCHANGED, SWAPPED = "exchanged columns", "swapped columns"  # for a while, or by taxel positions; in whole sessions
 UNIT_FACTOR, UNIT_CHANGE = "unit factor", "unit change"  # throughout a session; from some moment on
+MORE_THAN_APPLIED = "more than applied"  # the taxels feel more than presses on them
 
 
 @dataclass(frozen=True)

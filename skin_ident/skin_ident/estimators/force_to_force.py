@@ -21,7 +21,7 @@ from skin_ident.estimators.split import jacobian
 from skin_ident.estimators.transfer_data import Pair
 from skin_ident.estimators.transfer_fit import TransferFit
 from skin_ident.estimators.verdicts import word_of
-from skin_ident.quality import FAR_TOO_LITTLE, MOST, inspected
+from skin_ident.quality import FAR_TOO_LITTLE, MOST_FELT, inspected
 from skin_ident.recordings.carried import said_of
 from skin_ident.recordings.recording import Recording
 from skin_models.parameter import Parameter
@@ -102,7 +102,7 @@ def _plausible(pairs: Sequence[Pair], unit: str) -> None:
         return
     if slope < 0.0:
         raise FitError(f"{pairs[0].name}: the taxel falls when the force rises: check their signs (compression is positive)")
-    if not FAR_TOO_LITTLE < slope < MOST:
+    if not FAR_TOO_LITTLE < slope < MOST_FELT:
         raise FitError(f"{pairs[0].name}: the taxel feels {slope:.3g} times the force: check units and calibrations")
 
 

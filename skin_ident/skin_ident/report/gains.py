@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from skin_ident.criticism.above import NEAR
+from skin_ident.criticism.above import AT_FLOOR
 from skin_ident.criticism.vocabulary import spoken
 from skin_ident.report.counsel import TESTED
 from skin_ident.report.numbers import amount, fall_span, percent
@@ -48,7 +48,7 @@ def fall(e: ChannelError) -> float:
 
 def _no_gain(v: View, told: list[ChannelError]) -> Figure:
     """The figure where nothing was added to the model: its error compared with the noise."""
-    at_noise = all(e.floor is not None and e.pair[1] < NEAR * e.floor for e in told)
+    at_noise = all(e.floor is not None and e.pair[1] < AT_FLOOR * e.floor for e in told)
     said = [f"Typical error of the {signal(e.channel)}: {error(e.pair[1], e, v)}{_when_fitted(e, v)}." + _floor(e, v) for e in told[:2]]
     said += filter(None, [allowed(v)])
     unmeasured = dict.fromkeys(f.unmeasured for f in v.findings if f.unmeasured)
@@ -81,7 +81,7 @@ def allowed(v: View) -> str:
 def _when_fitted(e: ChannelError, v: View) -> str:
     """A clause with the error on the sessions that were fitted, where it is clearly larger than on the held-out ones."""
     fitted = e.train[1]
-    if fitted is None or e.held_out[1] is None or fitted < NEAR * e.held_out[1]:
+    if fitted is None or e.held_out[1] is None or fitted < AT_FLOOR * e.held_out[1]:
         return ""
     return f", and {error(fitted, e, v)} on the data it was fitted to"
 
@@ -168,4 +168,4 @@ def _bound(e: ChannelError, after: float, v: View) -> str:
         return "What is left is no more than noise."
     if v.verdict in (PARTLY, UNEXPLAINED):
         return f"Noise alone leaves about {floor}; the difference is still unexplained."
-    return f"Noise alone leaves {floor}: " + ("there is nothing more to gain." if after < NEAR * e.floor else "no model can do better.")
+    return f"Noise alone leaves {floor}: " + ("there is nothing more to gain." if after < AT_FLOOR * e.floor else "no model can do better.")

@@ -4,7 +4,7 @@ from typing import Any
 
 from skin_ident.criticism.above import above_noise
 from skin_ident.criticism.gates.gate import EACH_IN_TURN
-from skin_ident.criticism.search.rivals import CHANCE
+from skin_ident.criticism.search.rivals import CHANCE_SCORE
 from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.numbers import finite, percent
 from skin_ident.report.tolerant import mapping, place_in, sequence, text
@@ -203,7 +203,7 @@ def _alternative(a: Any, evidence: dict[str, Any]) -> tuple[str, str, str]:
 def _behind(a: Any, evidence: dict[str, Any]) -> float | None:
     """How much less an alternative explains, as a share of what the named cause explains; None where that may be chance or is not known."""
     less, whole = (finite(x) for x in (_short_by(a), evidence.get("likelihood_gain")))
-    return less / whole if less is not None and whole and less > CHANCE and less < whole else None
+    return less / whole if less is not None and whole and less > CHANCE_SCORE and less < whole else None
 
 
 def _short_by(a: Any) -> Any:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from skin_ident.criticism.pattern import in_order, pattern, when
-from skin_ident.criticism.telling.by_session import LEAST
+from skin_ident.criticism.telling.by_session import STANDS_OUT
 from skin_ident.criticism.vocabulary import spoken
 from skin_ident.report.markup import Safe, el, section, table
 from skin_ident.report.numbers import UNKNOWN, bare, finite, plain, scale
@@ -127,7 +127,7 @@ def _goes(kind: str, channel: str, names: tuple[str, ...], told: dict[str, dict]
     numbers = _numbers(kind, channel, names, told)
     y, std = np.array([[value, std] for value, std, _ in numbers.values()]).T
     middle = float(np.median(y))
-    if np.ptp(y) <= max(CLEARLY * float(np.median(std)), max(LEAST[kind], least) * abs(middle)):
+    if np.ptp(y) <= max(CLEARLY * float(np.median(std)), max(STANDS_OUT[kind], least) * abs(middle)):
         return
     shares, unit = (y / middle - 1.0, "1") if kind != ZERO and middle else (y, "N")
     if goes := pattern(dict(zip(numbers, shares.tolist(), strict=True)), unit):

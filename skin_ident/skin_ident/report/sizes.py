@@ -1,7 +1,7 @@
 """The size of a finding in words: its parameters, or given numbers of a model beside the fitted ones."""
 
 from skin_ident.criticism.pattern import listed
-from skin_ident.criticism.telling.telling import MOVED, SURE
+from skin_ident.criticism.telling.telling import MOVED_ERRORS, MOVED_SHARE
 from skin_ident.report.numbers import amount, finite, percent
 from skin_ident.report.tolerant import mapping, text
 from skin_ident.report.view import Amount, Finding, View
@@ -85,4 +85,4 @@ def moved(before: Amount, after: Amount | None) -> bool:
     if share is None:
         return False
     spread = ((before.std or 0.0) ** 2 + (after.std or 0.0) ** 2) ** 0.5
-    return abs(share) > MOVED and abs(after.value - before.value) > SURE * spread
+    return abs(share) > MOVED_SHARE and abs(after.value - before.value) > MOVED_ERRORS * spread

@@ -8,9 +8,8 @@ from skin_ident.criticism.array.extending import unwritten
 from skin_ident.criticism.array.findings import entry, excluded, untestable
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.sentences import changing
-from skin_ident.criticism.telemetry.more_than_applied import KIND as MORE_THAN_APPLIED
 from skin_ident.criticism.telling.untold import is_untold
-from skin_ident.criticism.vocabulary import Key, revised
+from skin_ident.criticism.vocabulary import MORE_THAN_APPLIED, Key, revised
 from skin_models.model import Model
 
 SPOILT = ("dead_taxel", "data_error")  # causes with which no ratio can be judged

@@ -22,8 +22,8 @@ from scipy.optimize import lsq_linear
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, SLOPE, ZERO, after_jump, carried
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course, common_slope, courses
-from skin_ident.criticism.courses.left_by_tare import MORE, Tare, drive_rests, tare_of_drive, tares
-from skin_ident.criticism.courses.run import LEAST, Moments, Run
+from skin_ident.criticism.courses.left_by_tare import MORE_BY_LARGER_ZEROS, Tare, drive_rests, tare_of_drive, tares
+from skin_ident.criticism.courses.run import LEAST_SCORE, Moments, Run
 from skin_ident.criticism.courses.words import said_of
 from skin_ident.criticism.gates.uncertain import Open, own_rows
 from skin_ident.criticism.noise.pursuit import Normal
@@ -78,7 +78,7 @@ def _worthwhile(ground: "_Ground", encoder_step: float) -> list[Run]:
     runs = [r for r in (_run(course, ground) for course in courses(ground.sessions[0])) if _shows_in_the_air(r, ground)]
     untold = max((r for r in runs if not r.worth(encoder_step)), key=lambda r: r.score, default=None)
     able = [r for r in _of_sensors(runs, ground) if r.worth(encoder_step) and (untold is None or r.score > untold.score)]
-    if not able and untold and untold.score > LEAST:
+    if not able and untold and untold.score > LEAST_SCORE:
         return [untold]
     return sorted(able, key=lambda r: -r.score)
 
@@ -100,7 +100,7 @@ def _of_sensors(runs: list[Run], ground: "_Ground") -> list[Run]:
     """The runs without the slopes of one channel where a slope common to all channels explains nearly as much: that is no fault of one
     sensor."""
     sloped = max((r.score for r in runs if r.course.carrier == SLOPE), default=0.0)
-    if sloped <= LEAST or len(ground.sessions[0].channels) == 1:
+    if sloped <= LEAST_SCORE or len(ground.sessions[0].channels) == 1:
         return runs
     common = _run(common_slope(ground.sessions[0]), ground).score
     return [r for r in runs if r.course.carrier != SLOPE or common < ALIKE * r.score]
@@ -341,4 +341,4 @@ def _free(course: Course, g: _Ground, rows: list[np.ndarray]) -> np.ndarray:
 def _as_tared(normal: Normal, z: np.ndarray, most: float) -> np.ndarray:
     """The zeros bounded by what tares leave, if these explain as much as unbounded ones; else `z`."""
     within = lsq_linear(*normal.square(), (-most, most)).x if most > 0.0 else np.zeros(z.size)
-    return within if normal.explained(z) - normal.explained(within) < MORE else z
+    return within if normal.explained(z) - normal.explained(within) < MORE_BY_LARGER_ZEROS else z

@@ -7,20 +7,20 @@ from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, DRIVEN, S
 from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.symptom import sensor_of
-from skin_ident.criticism.vocabulary import Key
+from skin_ident.criticism.vocabulary import FORCE_OFFSET, GAIN_ERROR, POSITION_OFFSET, Key
 
 CONSTANT, STEPS, BEND, WAVE = "constant", "steps", "bend", "wave"
-CAUSES = {
-    (ZERO, CONSTANT): "force_offset",
-    (ZERO, STEPS): "force_offset",
+CAUSE_OF = {
+    (ZERO, CONSTANT): FORCE_OFFSET,
+    (ZERO, STEPS): FORCE_OFFSET,
     (ZERO, BEND): "drift",
-    (SLOPE, CONSTANT): "gain_error",
-    (SLOPE, STEPS): "gain_error",
+    (SLOPE, CONSTANT): GAIN_ERROR,
+    (SLOPE, STEPS): GAIN_ERROR,
     (DELAY, STEPS): "time_shift",
     (DELAY, BEND): "time_shift",
-    (DEPTH, STEPS): "position_offset",
-    (DRIVE, CONSTANT): "force_offset",
-    (DRIVEN, CONSTANT): "gain_error",
+    (DEPTH, STEPS): POSITION_OFFSET,
+    (DRIVE, CONSTANT): FORCE_OFFSET,
+    (DRIVEN, CONSTANT): GAIN_ERROR,
 }
 
 
@@ -36,7 +36,7 @@ class Course:
     @property
     def cause(self) -> str:
         """The cause that it stands for."""
-        return "drift" if self.shape == WAVE else CAUSES[self.carrier, self.shape]
+        return "drift" if self.shape == WAVE else CAUSE_OF[self.carrier, self.shape]
 
     @property
     def key(self) -> Key:
@@ -87,12 +87,12 @@ def courses(session: Session) -> Iterator[Course]:
         if channel in session.stuck:
             continue
         where = sensor_of(channel, session.n_taxels)
-        kinds = [kind for kind in CAUSES if kind[0] in (ZERO, SLOPE) and not (kind == (SLOPE, CONSTANT) and session.spread is not None)]
+        kinds = [kind for kind in CAUSE_OF if kind[0] in (ZERO, SLOPE) and not (kind == (SLOPE, CONSTANT) and session.spread is not None)]
         yield from (Course(*kind, (c,), where) for kind in kinds)
     taxels = every[session.taxel_rows]
     if session.drive is not None:
         yield from (Course(DELAY, shape, taxels, "clock_taxels") for shape in (STEPS, BEND))
-        yield from (Course(*kind, every, "load_cell") for kind in CAUSES if kind[0] in (DRIVE, DRIVEN))
+        yield from (Course(*kind, every, "load_cell") for kind in CAUSE_OF if kind[0] in (DRIVE, DRIVEN))
         return
     yield Course(DEPTH, STEPS, every, "rig")
     clocks = [(every, "clock_depth")]

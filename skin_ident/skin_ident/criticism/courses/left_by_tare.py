@@ -23,7 +23,7 @@ AVERAGED_S = 0.5  # s, that a tare lasts at least
 CHANCE = 0.01  # probability that any of the zeros exceeds the bound
 RESTING = 0.02  # share of the greatest driving force, below which it counts as at rest
 FEWEST = 8  # averages needed to estimate how a resting force wanders
-MORE = 10.0  # squared whitened units that larger zeros may explain in addition, for the bounded ones still to do
+MORE_BY_LARGER_ZEROS = 10.0  # squared whitened units that larger zeros may explain in addition, for the bounded ones still to do
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from skin_ident.criticism.said import Said
 
 SLIP = 0.3  # share of the sampling period that a delay must reach: a buffer slips by whole samples
 AT_REST = 2.5e-6  # m, position error of a good stage at rest: half of its accuracy (thesis 3.1)
-LEAST = 30.0  # score, squared whitened units, that a course must exceed: a few free moments find as much in any noise
+LEAST_SCORE = 30.0  # score, squared whitened units, that a course must exceed: a few free moments find as much in any noise
 
 Moments = dict[str, np.ndarray]  # moments of steps or knots by session, s
 
@@ -59,4 +59,4 @@ class Run:
 
     def worth(self, encoder_step: float) -> bool:
         """Whether it explains enough and is larger than what good hardware does."""
-        return self.score > LEAST and self.largest >= self.least(encoder_step)
+        return self.score > LEAST_SCORE and self.largest >= self.least(encoder_step)

@@ -17,7 +17,7 @@ from scipy.optimize import lsq_linear
 from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.courses.carriers import DEPTH, DRIVE, carried
 from skin_ident.criticism.courses.course import basis
-from skin_ident.criticism.courses.left_by_tare import MORE, tare_of_drive, tares
+from skin_ident.criticism.courses.left_by_tare import MORE_BY_LARGER_ZEROS, tare_of_drive, tares
 from skin_ident.criticism.courses.run import least_depth
 from skin_ident.criticism.gates.uncertain import own_rows
 from skin_ident.criticism.noise.whitening import Whitener, stack
@@ -47,7 +47,7 @@ def zeros(model: Model, sessions: list[Session], noise: Whitener, encoder_step: 
         evenly = np.concatenate([triangle, EVENLY * np.eye(len(triangle))]), np.concatenate([seen, np.zeros(len(triangle))])
         bounded = lsq_linear(*evenly, (-1.0, 1.0)).x
         beyond = float(np.sum((seen - triangle @ bounded) ** 2))  # what unbounded zeros explain in addition
-        if beyond < MORE:
+        if beyond < MORE_BY_LARGER_ZEROS:
             z[able], fall = bounded * most[able], float(seen @ seen) - beyond
     return dict(zip((s.name for s in sessions), z.reshape(len(sessions), -1), strict=True)), fall
 

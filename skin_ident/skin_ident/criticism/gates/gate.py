@@ -26,9 +26,9 @@ BLOCK_S = 2.0  # s of residual that are resampled as a whole: longer than the me
 FEWEST_BLOCKS = 3  # least number of blocks in a session; a short session has shorter blocks
 RESAMPLES = 1000  # bootstrap draws of all blocks
 # Fall of the whitened held-out mean square below which an effect is not worth naming, if at least half of the channels carry it.
-MATERIAL = 0.01
-# Falls of the same: above MUCH the plain error need not fall beyond doubt; above CLEAR half of its usual fall is enough.
-MUCH, CLEAR = 0.25, 0.06
+MATERIAL_FALL = 0.01
+# Falls of the same: above MUCH_FALL the plain error need not fall beyond doubt; above CLEAR_FALL half of its usual fall is enough.
+MUCH_FALL, CLEAR_FALL = 0.25, 0.06
 MOST, NOTHING = 0.5, -0.02  # above a fall of MOST its lower bound need only exceed NOTHING, since most of the fall may lie in one block
 MATERIAL_RMSE = 0.04  # least relative fall of the RMSE in the channel that gains most: that of an effect a quarter as large as the noise
 HEARD, LOUD = 0.28, 0.35  # size of a change over the residual of a channel (RMS): such changes lower its error by 4 and 6 % at most
@@ -67,12 +67,12 @@ class Gain:
     def passed(self) -> bool:
         """Whether the gain passes the gate: the likelihood is better beyond doubt and by enough to matter, the plain error falls too, and
         no channel gets clearly worse. Where the likelihood gains little, the plain error must fall beyond doubt, and by more."""
-        plain = self.relative > MUCH  # slow noise dominates the plain error, which therefore says little against a quick effect
+        plain = self.relative > MUCH_FALL  # slow noise dominates the plain error, which therefore says little against a quick effect
         falls = self.ci95[0] > 0.0
         least = NOTHING if self.relative > MOST and falls else 0.0
         sure = self.lower > least and (plain or falls)
-        material = MATERIAL_RMSE / 2.0 if plain or self.relative > CLEAR else MATERIAL_RMSE
-        return sure and not self.spoilt and self.relative > MATERIAL * self.breadth and self.after < (1.0 - material) * self.before
+        material = MATERIAL_RMSE / 2.0 if plain or self.relative > CLEAR_FALL else MATERIAL_RMSE
+        return sure and not self.spoilt and self.relative > MATERIAL_FALL * self.breadth and self.after < (1.0 - material) * self.before
 
     @property
     def is_against(self) -> bool:

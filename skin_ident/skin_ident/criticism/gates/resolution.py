@@ -14,7 +14,7 @@ from skin_ident.criticism.baseline.residual import damping, residual, stiffness
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.gates.claim import Claim
 from skin_ident.criticism.gates.feigned import explains_more, is_feigned
-from skin_ident.criticism.gates.gate import MUCH
+from skin_ident.criticism.gates.gate import MUCH_FALL
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.sessions.cutoff import dilution
@@ -123,7 +123,7 @@ def _left_open(claim: Claim, encoder_step: float, strict: bool) -> tuple[float, 
     if claim.cause in OF_SPEED:
         beats = OPEN * max((drag * _beat([s], step)) ** 2 for s in train)
         still, moving = still + beats, moving + beats
-        if strict or claim.gain.relative < MUCH:
+        if strict or claim.gain.relative < MUCH_FALL:
             resting, passing = ((b * speed) ** 2 for speed in _unread_speeds(train, encoder_step))
             still, moving = still + max(resting, passing), moving + passing
     return still, moving

@@ -19,7 +19,7 @@ from skin_ident.criticism.baseline.own_shares import regression
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.gates.another_skin import left_beside_own_skin, of_the_skin
-from skin_ident.criticism.gates.gate import CLEAR, Asked, Gain, gain_of_residuals, in_turn, left_by, left_in_held, refitted
+from skin_ident.criticism.gates.gate import CLEAR_FALL, Asked, Gain, gain_of_residuals, in_turn, left_by, left_in_held, refitted
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
@@ -46,7 +46,7 @@ def halves_in_turn(before: Model, after: Model, train: list[Session], noise: Whi
     earlier, later = zip(*(_halves(s) for s in train), strict=True)
     asked = [*_predicting(later, earlier, before, after, noise), *_predicting(earlier, later, before, after, noise)]
     gain = gain_of_residuals(*left_by(asked), [s for s, _, _ in asked], noise, "each half of the sessions in turn")
-    return gain if gain.relative > CLEAR else replace(gain, lower=min(gain.lower, 0.0))
+    return gain if gain.relative > CLEAR_FALL else replace(gain, lower=min(gain.lower, 0.0))
 
 
 def at_any_scale(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:

@@ -10,7 +10,7 @@ from skin_ident.criticism.scan.family import QUANTITIES
 from skin_ident.criticism.scan.fault import Fault
 from skin_ident.criticism.scan.faults import Looked
 from skin_ident.criticism.scan.fitting import Fit, Member
-from skin_ident.criticism.scan.gate import FEWEST, WHOLE, held_scans, left_out
+from skin_ident.criticism.scan.gate import FEWEST_GROUPS, WHOLE, held_scans, left_out
 from skin_ident.criticism.scan.leftover import Rest
 from skin_ident.criticism.scan.limits import limits
 from skin_ident.criticism.scan.search import Named, Search
@@ -92,7 +92,7 @@ def held_out_rmse(m: Member, found: Search, s: Setting) -> float:
     """RMSE of the held-out scans, N; where there are none, of whole depths left out in turn (distances where depths are few)."""
     if s.test.held is not None:
         return rms(held_scans(m, s.test.held, WHOLE))
-    group = s.cells.row if np.unique(s.cells.row).size >= FEWEST else s.cells.column
+    group = s.cells.row if np.unique(s.cells.row).size >= FEWEST_GROUPS else s.cells.column
     return rms(left_out(m, s.cells, found.noise.noise, group, WHOLE, s.test))
 
 

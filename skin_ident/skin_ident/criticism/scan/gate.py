@@ -22,7 +22,7 @@ from skin_ident.criticism.scan.whitening import Noise
 
 RESAMPLES = 1000  # bootstrap draws of the groups (depths or distances)
 DOUBT = 10.0  # percentile of the resampled gain that must be above zero
-FEWEST = 4  # groups needed for a meaningful bootstrap
+FEWEST_GROUPS = 4  # groups needed for a meaningful bootstrap
 ITERATIONS, TOLERANCE = 4, 1e-3  # of a fit without one group, which begins at the fit to all cells
 SIZED_AGAIN, WHOLE = "spread", "whole"  # a depth left out: its size is fitted to every other distance, or all of it is predicted
 
@@ -76,9 +76,9 @@ def _gain_by(before: Member, after: Member, how: str, noise: Noise, cells: Cells
     weight = 1.0 / noise.total() ** 2
     errors = [left_out(m, cells, noise, cells.row, how, test) for m in (before, after)]
     across = [left_out(m, cells, noise, cells.column, WHOLE, test) for m in (before, after)]
-    fall = _fall(across, weight) if np.unique(cells.column).size >= FEWEST else np.nan
+    fall = _fall(across, weight) if np.unique(cells.column).size >= FEWEST_GROUPS else np.nan
     words = "each depth in turn" + (", its size fitted to every other distance" if how == SIZED_AGAIN else "")
-    if np.unique(cells.row).size < FEWEST:
+    if np.unique(cells.row).size < FEWEST_GROUPS:
         return _gain(across, weight, cells.column, fall, "each distance in turn")
     return _gain(errors, weight, cells.row, fall, words)
 

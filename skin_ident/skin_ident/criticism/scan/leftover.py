@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skin_ident.criticism.scan.fitting import by_size, tangents
-from skin_ident.criticism.scan.gate import FEWEST, RESAMPLES
+from skin_ident.criticism.scan.gate import FEWEST_GROUPS, RESAMPLES
 from skin_ident.criticism.scan.search import Search
 from skin_ident.criticism.scan.trials import Setting
 from skin_ident.criticism.scan.whitening import Noise
@@ -45,7 +45,7 @@ def systematic_rest(found: Search, s: Setting) -> Rest:
 
 def _predicted(J: np.ndarray, e: np.ndarray, noise: Noise, group: np.ndarray) -> tuple[float, float]:
     names, index = np.unique(group, return_inverse=True)
-    if names.size < FEWEST:
+    if names.size < FEWEST_GROUPS:
         return float("nan"), float("nan")
     after = np.empty_like(e)
     for g in range(names.size):

@@ -11,7 +11,7 @@ from skin_ident.criticism.scan.gate import Gain, gain_of
 from skin_ident.criticism.scan.noise import Estimated, estimate
 from skin_ident.criticism.scan.score import worth
 from skin_ident.criticism.scan.trials import (
-    CLOSE,
+    CLOSE_SCORES,
     Setting,
     Trial,
     judge_in,
@@ -109,8 +109,9 @@ def _first_believed(present: Fit, trials: list[Trial], noise: Estimated, s: Sett
 
 
 def _exchanged(present: Fit, named: list[Named], noise: Estimated, s: Setting) -> tuple[Fit, list[Named]]:
-    """Replace a named cause by another one where the whole model then fits better by more than CLOSE, or by another form of the same cause
-    where it fits better by more than BETTER (twice nats, less PARAMETER for each additional parameter). The gate must be passed again."""
+    """Replace a named cause by another one where the whole model then fits better by more than CLOSE_SCORES, or by another form of the same
+    cause where it fits better by more than BETTER (twice nats, less PARAMETER for each additional parameter). The gate must be passed
+    again."""
     for n in named:
         base = without_candidate(n.candidate, present.member, s.test.start)
         others = taken([o.candidate for o in named if o is not n], s)
@@ -137,7 +138,7 @@ def _better(
             continue
         found = min((fit(m, s.cells, whitener) for m in with_candidate(c, base)), key=lambda f: f.cost)
         more = present.cost - found.cost - PARAMETER * (found.member.unknowns.size - present.member.unknowns.size)
-        if more > (BETTER if c.cause == old.cause else CLOSE) and (best is None or more > best[2]):
+        if more > (BETTER if c.cause == old.cause else CLOSE_SCORES) and (best is None or more > best[2]):
             best = (c, found, more)
     return best
 
@@ -152,7 +153,7 @@ def _fine_shape(present: Fit, named: list[Named], noise: Estimated, s: Setting) 
     if noise.noise.placing == 0.0 or causes & {"spread_shape", "off_centre"}:
         return None
     exact = estimate(present.member, s.cells, s.rich, s.floor, placing=False)
-    if exact.deviance < noise.deviance + CLOSE:
+    if exact.deviance < noise.deviance + CLOSE_SCORES:
         return None
     j = judge_in(exact, s)
     present = fit(present.member, s.cells, j.whitener)
@@ -200,7 +201,7 @@ def _rivals(present: Fit, n: Named, named: list[Named], noise: Estimated, s: Set
         t = trial(base, c, j, s)
         short = own - _explained(base, t.fit, s)
         twin = {c.cause, n.candidate.cause} == twins and (t.score > 0.0 or c.cause == "spread_shape")
-        near = t.score > 0.0 and (short < reach or worth(short, degrees) < CLOSE)
+        near = t.score > 0.0 and (short < reach or worth(short, degrees) < CLOSE_SCORES)
         if (near or twin) and short < best.get(c.cause, (c, np.inf))[1]:
             best[c.cause] = (c, float(short))
     return tuple(sorted(best.values(), key=lambda b: b[1]))

@@ -12,7 +12,7 @@ from skin_ident.criticism.scan.score import Judge
 
 AHEAD = 5  # best trials that are fitted together with every other cause before one is chosen
 NOISE_TRIES = 4  # most causes whose residual is also used to estimate the noise
-CLOSE = 6.0  # twice nats: scores closer than this cannot be told apart (likelihood ratio 20 to 1)
+CLOSE_SCORES = 6.0  # twice nats: scores closer than this cannot be told apart (likelihood ratio 20 to 1)
 STEPPED = 0.8  # steps are coarse where they alone make more than this share of the noise's standard deviation
 
 
@@ -49,9 +49,9 @@ def surveyed(present: Fit, named: list[Candidate], s: Setting) -> tuple[Estimate
     noise = estimate(present.member, s.cells, s.rich, s.floor)
     trials, present = _trials(present, named, noise, s)
     tried = sorted((t for t in trials if t.candidate.bends != "level"), key=lambda t: -t.fall)[:NOISE_TRIES]
-    others = [estimate(t.fit.member, s.cells, s.rich, s.floor) for t in tried if t.fall > CLOSE]
+    others = [estimate(t.fit.member, s.cells, s.rich, s.floor) for t in tried if t.fall > CLOSE_SCORES]
     best = min(others, key=lambda n: n.deviance, default=noise)
-    if best.deviance < noise.deviance - CLOSE / 2.0:
+    if best.deviance < noise.deviance - CLOSE_SCORES / 2.0:
         noise = best
         trials, present = _trials(present, named, noise, s)
     return noise, trials, present

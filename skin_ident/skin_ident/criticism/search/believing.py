@@ -9,17 +9,16 @@ from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.blurred import blurred
 from skin_ident.criticism.gates.description import shorter_by
-from skin_ident.criticism.gates.gate import MUCH, Gain
+from skin_ident.criticism.gates.gate import MUCH_FALL, Gain
 from skin_ident.criticism.gates.second_opinion import at_any_scale
 from skin_ident.criticism.search.by_nature import same_by_nature
 from skin_ident.criticism.search.doubt import mending, shadowed, unproven
 from skin_ident.criticism.search.hardware import converter_does, encoder_does, negligible, no_other_does, stage_is_off, too_short
 from skin_ident.criticism.search.named import Named, NotNamed
-from skin_ident.criticism.search.rivals import CHANCE, Rival, own_rivals, reach
+from skin_ident.criticism.search.rivals import CHANCE_SCORE, Rival, own_rivals, reach
 from skin_ident.criticism.search.state import Search
-from skin_ident.criticism.search.tared import SHIFT
 from skin_ident.criticism.search.trial import Trial, sized
-from skin_ident.criticism.vocabulary import OFFSET, Key
+from skin_ident.criticism.vocabulary import POSITION_OFFSET, ZERO_OF_DEPTH, Key
 
 SURELY = 0.25  # share of the fall of the mean square that its lower bound must exceed for a plainer form, which is a second chance
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of causes were compared
@@ -156,7 +155,7 @@ def _gain_of(search: Search, trial: Trial, best: float) -> Gain:
     """Gain of a trial; a second opinion is asked for where it is as good as the `best` and explains very much of training."""
     models = search.present.model, trial.fit.model, trial.key[1]
     gain = search.gain(*models)
-    if gain.spoilt and gain.lower > MUCH:
+    if gain.spoilt and gain.lower > MUCH_FALL:
         gain = at_any_scale(*models[:2], search.train, [] if search.deaf(*models) else search.held, search.noise)
     if gain.passed or search.doubting or trial.score <= max(reach(best), _doubtless(search, trial)):
         return gain
@@ -179,7 +178,7 @@ def _hardware_does(search: Search, trial: Trial, rivals: list[Trial], gain: Gain
     encoder = encoder_does(search.claim(trial.key, gain, trial.fit.model), search.noise, search.encoder_step)
     if encoder:
         return {trial.key: encoder}
-    as_good = [t for t in rivals if t.score > trial.score - CHANCE and t.key[0] == SHIFT]
+    as_good = [t for t in rivals if t.score > trial.score - CHANCE_SCORE and t.key[0] == POSITION_OFFSET]
     unread = {t.key: too_short(t.key, t.fit.model, search.encoder_step) for t in as_good}
     return {key: why for key, why in unread.items() if why is not None}
 
@@ -215,6 +214,6 @@ def _finding(search: Search, trial: Trial, rivals: list[Trial], trials: list[Tri
     """A trial as a finding, with all other names that it may have."""
     alternatives = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
     alternatives += own_rivals(runs, trial.score, {t.key for t in (trial, *rivals)})
-    for same in (trial, *(t for t in rivals if t.key == OFFSET)):  # a dead zone cannot be told from a position offset either
+    for same in (trial, *(t for t in rivals if t.key == ZERO_OF_DEPTH)):  # a dead zone cannot be told from a position offset either
         alternatives += same_by_nature(same, trials, {trial.key, *(a.key for a in alternatives)}, search.train)
     return Named(*trial.key, gain, trial.score, alternatives, search.present.model, trial.fit.model)

@@ -22,19 +22,18 @@ import numpy as np
 from skin_ident.criticism.baseline.fitting import Fit
 from skin_ident.criticism.search.named import NotNamed
 from skin_ident.criticism.search.proposals import Direction
-from skin_ident.criticism.search.ranking import AT_FULL_RATE, UNEXCITED, Projected
+from skin_ident.criticism.search.ranking import UNEXCITED, Projected
 from skin_ident.criticism.search.survey import Survey, detectable
-from skin_ident.criticism.telemetry.noise_level import SEEN
-from skin_ident.criticism.vocabulary import CAUSES, Cause, Key, where_and_clock
+from skin_ident.criticism.telemetry.noise_level import NOISE_SEEN
+from skin_ident.criticism.vocabulary import AT_FULL_RATE, CAUSES, GAIN_ERROR, Cause, Key, where_and_clock
 from skin_models.model import Model
 from skin_models.parameter import SHAPE, Parameter, parameters_of
 
 CLEAR = 3.0  # standard errors
-GAIN = "gain_error"
 NEAR = 0.35  # share of a round's best score above which a cause came near
 MADE_UP = 0.1  # share of a delay's energy that the model's own damping leaves, below which it makes up for all that is linear in it
 ALIKE = 0.98  # correlation above which two directions are one
-NOT_SEEN = {"noise": SEEN}  # what would have been seen, for causes that telemetry alone decides
+NOT_SEEN = {"noise": NOISE_SEEN}  # what would have been seen, for causes that telemetry alone decides
 HOLLOW = "even the largest possible amount of it could not be distinguished here from other causes and noise"
 
 
@@ -124,7 +123,7 @@ def _grown(d: Direction, grown: Mapping[Key, Fit]) -> float:
 
 def _in_skins(d: Direction, skins: float) -> float:
     """The amount of a direction that skins which differ by `skins` may have taken up; 0 for all but gains."""
-    return skins / d.size if d.cause == GAIN else 0.0
+    return skins / d.size if d.cause == GAIN_ERROR else 0.0
 
 
 def _amounts(p: Projected) -> np.ndarray:

@@ -18,13 +18,17 @@ from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import (
     CREEP_OF_LOAD_CELL,
     DAMPING,
+    DEAD_ZONE,
+    FORCE_OFFSET,
+    GAIN_ERROR,
     HYSTERESIS,
+    LAG_OF_LOAD_CELL,
     LATE_DEPTH,
     LEAKS,
     LOOP_OF_LOAD_CELL,
-    OFFSET,
     RELAXATION,
     STIFFER,
+    ZERO_OF_DEPTH,
     Key,
 )
 from skin_models.effect import Effect
@@ -39,7 +43,7 @@ UNTOLD = 0.97  # ratio of the load cell's squared residual with an effect to tha
 MOST = 0.8  # share of the score of a loop in the skin that one in the load cell must explain: their forms differ
 SURE = 2.0  # standard errors
 ALONE = 0.1  # ratio of what one kind of sensor feels of an effect to what the other feels, below which the other alone shows it
-SWALLOWED = {"skin": ("dead_zone", "skin"), "taxel": ("dead_zone", "taxel")}
+SWALLOWED = {"skin": (DEAD_ZONE, "skin"), "taxel": (DEAD_ZONE, "taxel")}
 
 
 @dataclass(frozen=True)
@@ -80,9 +84,9 @@ def _swallowed(mine: Instances) -> Iterator[Key]:
     """A force below a threshold may be swallowed by the skin or by its taxels: either way each taxel reads what is above it. In contact, a
     plunger that goes F / k less deep than it reads presses as if the skin swallowed F."""
     cause, where = mine.key
-    if cause == "dead_zone" and where in SWALLOWED:
+    if cause == DEAD_ZONE and where in SWALLOWED:
         yield from (key for place, key in SWALLOWED.items() if place != where)
-    if mine.key == OFFSET and all(getattr(e, "offset", 0.0) < 0.0 for e in mine.effects):
+    if mine.key == ZERO_OF_DEPTH and all(getattr(e, "offset", 0.0) < 0.0 for e in mine.effects):
         yield SWALLOWED["skin"]
 
 
@@ -104,7 +108,7 @@ def _memory(mine: Instances) -> Iterator[Key]:
 
 def _there_at_once(mine: Instances) -> Iterator[Key]:
     """A drift as log(1 + t / tau) that begins within the first second is nearly complete from the start: a constant."""
-    for form, constant in ((LogDrift, "force_offset"), (LogGainDrift, "gain_error")):
+    for form, constant in ((LogDrift, FORCE_OFFSET), (LogGainDrift, GAIN_ERROR)):
         if any(isinstance(e, form) and e.tau < AT_ONCE_S for e in mine.effects):
             yield constant, mine.key[1]
 
@@ -158,7 +162,7 @@ def _late_one_way(mine: Instances) -> Iterator[Key]:
 def late_one_way(sensed: float, dispersed: float) -> Iterator[Key]:
     """The lag of the sensor that alone shows damping under the taxels and beside them, N s/m; nothing where both sensors show it."""
     if abs(sensed) < ALONE * abs(dispersed):
-        yield "lag", "load_cell"
+        yield LAG_OF_LOAD_CELL
     elif abs(sensed + dispersed) < ALONE * abs(sensed):
         yield "lag", "taxel"
 
@@ -190,7 +194,7 @@ def likelier_place(trials: list[Trial]) -> list[Trial]:
       that bypasses the taxels alone.
     """
     best = trials[0] if trials else None
-    if best and best.key[0] == "dead_zone" and best.key[1] != "taxel":
+    if best and best.key[0] == DEAD_ZONE and best.key[1] != "taxel":
         return [t for t in trials if t.key == SWALLOWED["taxel"] and t.score > reach(best.score)]
     if best and best.key == HYSTERESIS and _beside_the_taxels(best):
         return [t for t in trials if t.key == LOOP_OF_LOAD_CELL and t.score > MOST * best.score]

@@ -9,7 +9,7 @@ from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.search.believing import first_believed
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import fit_beside, own_course
-from skin_ident.criticism.search.rivals import CHANCE
+from skin_ident.criticism.search.rivals import CHANCE_SCORE
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.trial import Trial
 
@@ -37,7 +37,7 @@ def _chosen(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[tuple
     if not runs:
         return None, first_believed(search, trials, runs)
     first, best = runs[0], max((t.score for t in trials), default=0.0)
-    leads = first.score > (best if _is_one_number(first) else max(MARGIN * best, best + CHANCE))
+    leads = first.score > (best if _is_one_number(first) else max(MARGIN * best, best + CHANCE_SCORE))
     same, score = bool(trials) and trials[0].key == first.course.key, first.score
     if same and not leads:  # in another form than the best trial, which was refitted with everything else, so this is refitted as well
         score = max(score, fit_beside(search, first)[1])

@@ -25,7 +25,22 @@ from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.sessions.session import Session
-from skin_ident.criticism.vocabulary import DAMPING, LOOP_OF_LOAD_CELL, RELAXATION, STIFFER, SWALLOWS, Key
+from skin_ident.criticism.vocabulary import (
+    CEILING_OF_LOAD_CELL,
+    CREEP_OF_LOAD_CELL,
+    DAMPING,
+    DEAD_ZONE,
+    FORCE_OFFSET,
+    FRICTION_OF_LOAD_CELL,
+    GAIN_ERROR,
+    GAIN_OF_LOAD_CELL,
+    LAG_OF_LOAD_CELL,
+    LOOP_OF_LOAD_CELL,
+    RELAXATION,
+    STIFFER,
+    ZERO_OF_LOAD_CELL,
+    Key,
+)
 from skin_models.effects.rate_dependence import EyringDamping, OneSidedDamping, PowerDamping
 from skin_models.model import Model
 
@@ -34,9 +49,7 @@ GREATEST = 0.99  # quantile of the force that is taken for its greatest
 BEGINS, FASTER = 0.02, 0.1  # of the greatest force, above which a change begins; of its slope, by which it grows faster at the top
 MOVES = 0.1  # of the standard deviation of the force's rate, above which the force rises or falls
 FEWEST = 10  # samples at least, to find a slope
-EITHER_WAY = ("force_offset", "drift", "gain_error")  # faults that sensors have with either sign
-FRICTION, LATE, CLIPS = ("friction", "load_cell"), ("lag", "load_cell"), ("saturation", "load_cell")
-CREEP, SLOPE, ZERO = ("drift", "load_cell"), ("gain_error", "load_cell"), ("force_offset", "load_cell")
+EITHER_WAY = (FORCE_OFFSET, "drift", GAIN_ERROR)  # faults that sensors have with either sign
 
 
 @dataclass(frozen=True)
@@ -105,9 +118,10 @@ def with_load_cell(named: list[Named], model: Model, runs: list[Run], sessions: 
     if not named or sessions[0].drive is None:
         return named
     told = [_beside(n, list(_of_load_cell(n, named, model, runs, sessions))) for n in named]
-    if not any(FRICTION in (a.key for a in n.alternatives) for n in told):
+    if not any(FRICTION_OF_LOAD_CELL in (a.key for a in n.alternatives) for n in told):
         return told
-    return [_beside(n, [Rival(*FRICTION, 0.0)]) if n.cause == SWALLOWS else n for n in told]  # friction acts in the air as well
+    # Friction acts in the air as well.
+    return [_beside(n, [Rival(*FRICTION_OF_LOAD_CELL, 0.0)]) if n.cause == DEAD_ZONE else n for n in told]
 
 
 def _beside(n: Named, rivals: list[Rival]) -> Named:
@@ -120,7 +134,7 @@ def _of_load_cell(n: Named, named: list[Named], model: Model, runs: list[Run], s
     keys = _every_taxel(n, named, sessions[0])
     own = tuple(r for r in runs if r.course.key in keys)
     if n.is_another_skin:
-        yield Rival(*SLOPE, 0.0)
+        yield Rival(*GAIN_OF_LOAD_CELL, 0.0)
     elif keys:
         yield from (Rival(*key, 0.0) for key in _inverse(_Change(model, keys, own, sessions)))
     for a in n.alternatives:
@@ -149,15 +163,15 @@ def _inverse(change: _Change) -> Iterator[Key]:
     elif cause == "hysteresis":
         yield LOOP_OF_LOAD_CELL
         if change.ahead < 0.0:
-            yield FRICTION
+            yield FRICTION_OF_LOAD_CELL
     elif change.keys[0] == RELAXATION:
-        yield CREEP
+        yield CREEP_OF_LOAD_CELL
     elif change.keys[0] == STIFFER:
-        yield from (key for key, bends in zip((ZERO, CLIPS), change.bends, strict=True) if bends)
+        yield from (key for key, bends in zip((ZERO_OF_LOAD_CELL, CEILING_OF_LOAD_CELL), change.bends, strict=True) if bends)
     elif change.keys[0] == DAMPING:
         yield from _of_damping(change)
     elif cause == "time_shift" and change.ahead > 0.0:
-        yield LATE
+        yield LAG_OF_LOAD_CELL
 
 
 def _of_damping(change: _Change) -> Iterator[Key]:
@@ -166,6 +180,6 @@ def _of_damping(change: _Change) -> Iterator[Key]:
     effects = change.model.having(change.keys[0])
     slow = any(isinstance(e, EyringDamping) or (isinstance(e, PowerDamping) and e.exponent < 1.0) for e in effects)
     if slow and change.ahead < 0.0:
-        yield FRICTION
+        yield FRICTION_OF_LOAD_CELL
     if any(isinstance(e, OneSidedDamping) for e in effects) and change.early:
-        yield LATE
+        yield LAG_OF_LOAD_CELL

@@ -16,7 +16,7 @@ from skin_ident.criticism.search.believing import first_believed
 from skin_ident.criticism.search.choosing import choose
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import take_course
-from skin_ident.criticism.search.rivals import CHANCE, PROMISING, Rival, reach
+from skin_ident.criticism.search.rivals import CHANCE_SCORE, PROMISING, Rival, reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.together import beside
 from skin_models.effect import Effect
@@ -129,7 +129,7 @@ def _as_good_with(search: Search, ahead: Search, finding: Named, rival: Rival, a
     other cause speaks for neither."""
     rest = after.model.lacking(rival.key)
     own = search.present.model.having(finding.key)
-    return fit(replace(rest, effects=(*rest.effects, *own)), ahead.train, ahead.noise).cost < after.cost + CHANCE
+    return fit(replace(rest, effects=(*rest.effects, *own)), ahead.train, ahead.noise).cost < after.cost + CHANCE_SCORE
 
 
 def _become(search: Search, ahead: Search, finding: Named) -> None:

@@ -16,7 +16,7 @@ from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.gates.resolution import converter_step, of_the_converter, of_the_drive, resolved, unreadable
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.named import NotNamed
-from skin_ident.criticism.vocabulary import SWALLOWS, Key
+from skin_ident.criticism.vocabulary import DEAD_ZONE, Key
 from skin_models.effect import Effect
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
@@ -61,7 +61,7 @@ def encoder_does(claim: Claim, noise: Whitener, encoder_step: float) -> NotNamed
 
 def _drive_crosses(claim: Claim) -> NotNamed | None:
     """Why a threshold that gains is no finding, where noise or the zero of the driving force reaches across it; else None."""
-    if not claim.driven or claim.cause != SWALLOWS:
+    if not claim.driven or claim.cause != DEAD_ZONE:
         return None
     model = claim.after
     felt = model.dispersion.k1 if claim.key[1] == "skin" else stiffness(model, claim.channel)

@@ -18,7 +18,7 @@ from skin_ident.criticism.baseline.unknowns import Unknown, unknowns
 from skin_ident.criticism.courses.carriers import DEPTH, SLOPE
 from skin_ident.criticism.courses.course import added, basis
 from skin_ident.criticism.courses.kinds import CONSTANT
-from skin_ident.criticism.courses.run import LEAST, Run
+from skin_ident.criticism.courses.run import LEAST_SCORE, Run
 from skin_ident.criticism.gates.another_skin import changes, of_the_skin, solved
 from skin_ident.criticism.gates.gate import Gain, gain_of_residuals
 from skin_ident.criticism.noise.whitening import stack
@@ -60,7 +60,7 @@ def take_own_skin(search: Search, explained: float, best: float, runs: list[Run]
     `refused` compete no longer. That it may be one of these is noted."""
     whole = {r.course.key: r.score for r in runs if r.course.shape == CONSTANT}
     worth = 0.0 if refused else max((_worth(search, r, whole.get(r.course.key, 0.0)) for r in runs), default=0.0)
-    if explained <= max(LEAST, reach(best), worth):
+    if explained <= max(LEAST_SCORE, reach(best), worth):
         return False
     others = [r for r in runs if r.course.carrier in (SLOPE, DEPTH) and r.score > MUCH * explained]
     search.tared |= {r.course.key: skin_does(r) for r in reversed(others)}  # of one key the run is kept that explains most
@@ -80,7 +80,7 @@ def _worth(search: Search, run: Run, whole: float) -> float:
 def take_own_skin_at_last(search: Search, explained: float, runs: list[Run]) -> bool:
     """The same where neither cause nor course is believed though some explain more, if no parameter strays farther than skin does. The
     right cause fails in held-out sessions as long as the model has the skin of others there."""
-    if explained <= LEAST or np.abs(_of_train(search)[0]).max() > NATURAL:
+    if explained <= LEAST_SCORE or np.abs(_of_train(search)[0]).max() > NATURAL:
         return False
     return take_own_skin(search, explained, search.least(search.present.count), runs, refused=True)
 

@@ -25,8 +25,7 @@ import numpy as np
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, whitened
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.courses.course import basis
-from skin_ident.criticism.courses.kinds import CAUSES as COURSES
-from skin_ident.criticism.courses.kinds import CONSTANT
+from skin_ident.criticism.courses.kinds import CAUSE_OF, CONSTANT
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.gate import Gain, gain_of_residuals, held_out_gain, in_turn, left_by
 from skin_ident.criticism.gates.second_opinion import halves_in_turn
@@ -35,16 +34,15 @@ from skin_ident.criticism.search.believing import believed_in_part
 from skin_ident.criticism.search.growing import felt
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.plausible import plausible
-from skin_ident.criticism.search.ranking import AT_FULL_RATE
 from skin_ident.criticism.search.rivals import PROMISING, Rival, reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import Survey, survey
 from skin_ident.criticism.search.tared import take_tare
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session
-from skin_ident.criticism.vocabulary import PARAMETERS, SENSORS, Key
+from skin_ident.criticism.vocabulary import AT_FULL_RATE, PARAMETERS, SENSORS, Key
 
-ELSEWHERE = {AT_FULL_RATE, *COURSES.values()}  # causes that are looked for in every session by itself
+ELSEWHERE = {AT_FULL_RATE, *CAUSE_OF.values()}  # causes that are looked for in every session by itself
 FEWEST = 3  # training sessions, from which on some may have what others lack
 MOST = 3  # causes that are fitted, at most
 UNFELT = 1e-3  # ratio to what other sessions feel, and to what is felt before the model imitates it, below which a session tells nothing

@@ -16,7 +16,7 @@ from skin_ident.criticism.baseline.residual import at_place, placed, rows
 from skin_ident.criticism.baseline.unknowns import shown
 from skin_ident.criticism.gates.gate import own_channels
 from skin_ident.criticism.sessions.session import Session, motion_under
-from skin_ident.criticism.vocabulary import SWALLOWS, Key
+from skin_ident.criticism.vocabulary import DEAD_ZONE, Key
 from skin_models.catalogue import effects
 from skin_models.effect import Effect, Place
 from skin_models.effects.time_shift import Scanning
@@ -126,7 +126,7 @@ def _shapes(cls: type[Effect], session: Session, times: float) -> Iterator[dict[
 def _times(cls: type[Effect], where: str, session: Session) -> float:
     """Factor on the catalogue's forces for effects that bend the reading of a sensor. The force at which it clips is a share of its
     greatest reading; other thresholds are scaled only where it reads little. A test without depth uses the catalogue's own forces."""
-    where = "taxel" if cls.cause == SWALLOWS else where  # a dead zone of the skin acts on the taxels
+    where = "taxel" if cls.cause == DEAD_ZONE else where  # a dead zone of the skin acts on the taxels
     if session.drive is not None or not where.startswith(("load_cell", "taxel")):
         return 1.0
     own = [session.channels.index(c) for c in own_channels(where, session.channels)]

@@ -19,9 +19,6 @@ from skin_ident.criticism.vocabulary import Key
 MOST_USED = 5  # directions of one cause
 LEADING = 6  # causes and places, beside whose best directions all others are bounded
 UNEXCITED = 1e-6  # share of a direction's energy left after projection, below which the model can imitate it entirely
-# A tone may explain part of the residual, but it is looked for at full rate (`telemetry.lines`) and not named here: of one above the common
-# band only its alias is left, a slow wave or a constant.
-AT_FULL_RATE = "interference"
 
 
 @dataclass(frozen=True)

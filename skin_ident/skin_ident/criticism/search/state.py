@@ -11,7 +11,7 @@ from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.courses.course import worthwhile
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.claim import Claim
-from skin_ident.criticism.gates.gate import MATERIAL, Gain, deaf, held_out_gain
+from skin_ident.criticism.gates.gate import MATERIAL_FALL, Gain, deaf, held_out_gain
 from skin_ident.criticism.gates.second_opinion import all_in_turn, halves_in_turn
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.doubt import yields
@@ -175,7 +175,7 @@ class Search:
     def least(self, count: int) -> float:
         """The likelihood gain below which a cause is not worth naming, for `count` whitened samples. A narrowed band, which holds fewer
         samples, does not lower it: slow causes gain as much there, and the noise in it is no less."""
-        return MATERIAL * count * self.train[0].band.narrowed
+        return MATERIAL_FALL * count * self.train[0].band.narrowed
 
     def form_of_others(self, cause: str, where: str) -> float:
         """The likelihood gain that imperfect forms of other causes, named in the same sensor, may leave for this one to explain."""

@@ -14,9 +14,9 @@ from skin_ident.criticism.noise.estimate import RICHEST, less, noise_model
 from skin_ident.criticism.noise.pursuit import pursue
 from skin_ident.criticism.noise.whitening import Stacked, Whitener, stack
 from skin_ident.criticism.search.proposals import Direction, between
-from skin_ident.criticism.search.ranking import AT_FULL_RATE, Projected, Ranked, project, rank
+from skin_ident.criticism.search.ranking import Projected, Ranked, project, rank
 from skin_ident.criticism.sessions.session import Session
-from skin_ident.criticism.vocabulary import Key
+from skin_ident.criticism.vocabulary import AT_FULL_RATE, Key
 from skin_models.model import Model
 
 FORMS = 5  # directions per cause that may mend its form, of either sign, since a form may have too much of something as well

@@ -3,11 +3,9 @@
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import fit
-from skin_ident.criticism.courses.carriers import DEPTH, ZERO
 from skin_ident.criticism.courses.course import added
-from skin_ident.criticism.courses.kinds import CAUSES, CONSTANT, STEPS
 from skin_ident.criticism.courses.left_by_tare import tare_of_drive, tares
-from skin_ident.criticism.courses.run import LEAST, least_depth
+from skin_ident.criticism.courses.run import LEAST_SCORE, least_depth
 from skin_ident.criticism.courses.tare import Zeros, added_by, zeros
 from skin_ident.criticism.gates.gate import own_channels
 from skin_ident.criticism.search.hardware import tare_does, zeros_do
@@ -16,11 +14,10 @@ from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.symptom import sensor_of
-from skin_ident.criticism.vocabulary import SENSORS
+from skin_ident.criticism.vocabulary import FORCE_OFFSET, POSITION_OFFSET, SENSORS
 from skin_models.model import Model
 
 WORTH_SAYING = 0.2  # of what a tare leaves, from which a zero is reported
-OFFSET, SHIFT = CAUSES[ZERO, CONSTANT], CAUSES[DEPTH, STEPS]
 
 
 def take_tare(search: Search, finding: Named) -> bool:
@@ -50,7 +47,7 @@ def take_zeros(search: Search, least: float = 0.0) -> bool:
         return False
     found, fall = zeros(search.present.model, search.train, search.noise, search.encoder_step, free=True)
     free = sum(np.count_nonzero(z) for z in found.values())
-    if fall < max(LEAST, least, free * np.log(max(search.present.count, 2))):
+    if fall < max(LEAST_SCORE, least, free * np.log(max(search.present.count, 2))):
         return False
     _take(search, found, {})
     search.zeroed = len(search.named)
@@ -90,7 +87,7 @@ def untared(search: Search) -> list[Session]:
 def _shared(search: Search, finding: Named) -> Zeros:
     """The zero that a finding gives to all sessions alike, where it is no larger than tares may leave it. Sessions that are each tared
     share only a small one."""
-    if finding.cause != OFFSET or finding.model is None:
+    if finding.cause != FORCE_OFFSET or finding.model is None:
         return {}
     offset = _offset_of(finding.model, finding) - _offset_of(finding.before, finding)
     channels = search.train[0].channels
@@ -124,7 +121,7 @@ def take_zeros_of_held(search: Search, explained: float) -> bool:
 
 
 def _is_zero(cause: str) -> bool:
-    return cause in (OFFSET, SHIFT)
+    return cause in (FORCE_OFFSET, POSITION_OFFSET)
 
 
 def _instead(search: Search, sessions: list[Session], explained: float, *, free: bool) -> Zeros:
@@ -137,10 +134,10 @@ def _said(search: Search, found: Zeros) -> None:
     *channels, driving = np.max(np.abs([*found.values()]), axis=0).tolist()
     for channel, largest, tare in zip(search.train[0].channels, channels, tares(search.train, search.noise), strict=True):
         if largest > WORTH_SAYING * tare.leaves:
-            search.tared[OFFSET, sensor_of(channel, search.train[0].n_taxels)] = tare_does(largest, tare)
+            search.tared[FORCE_OFFSET, sensor_of(channel, search.train[0].n_taxels)] = tare_does(largest, tare)
     if search.train[0].drive is not None:
         tare = tare_of_drive(search.train)
         if driving > WORTH_SAYING * tare.leaves:
-            search.tared[OFFSET, "load_cell"] = tare_does(driving, tare)
+            search.tared[FORCE_OFFSET, "load_cell"] = tare_does(driving, tare)
     elif driving > WORTH_SAYING * least_depth(search.encoder_step):
-        search.tared[SHIFT, sensor_of("depth", search.train[0].n_taxels)] = zeros_do(driving, search.encoder_step)
+        search.tared[POSITION_OFFSET, sensor_of("depth", search.train[0].n_taxels)] = zeros_do(driving, search.encoder_step)

@@ -10,7 +10,7 @@ from dataclasses import replace
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.claim import Claim
-from skin_ident.criticism.gates.gate import MATERIAL, MUCH, Gain
+from skin_ident.criticism.gates.gate import MATERIAL_FALL, MUCH_FALL, Gain
 from skin_ident.criticism.gates.resolution import resolved
 from skin_ident.criticism.search.believing import first_believed
 from skin_ident.criticism.search.hardware import encoder_does
@@ -30,7 +30,7 @@ Pair = tuple[tuple[Fit, Named], tuple[Fit, Named]]
 def two_at_once(search: Search, trials: list[Trial], runs: list[Run]) -> Pair | tuple[()]:
     """The two findings that explain most together, the first one with its fit alone; `search` is the state of `criticise`. Empty where the
     record is short, where courses explain more than the causes, or where no two causes are believed beside each other."""
-    promising = [t.forms[-1] for t in trials[:ASKED] if t.score > MATERIAL * t.fit.count and sized(t.forms[-1])]
+    promising = [t.forms[-1] for t in trials[:ASKED] if t.score > MATERIAL_FALL * t.fit.count and sized(t.forms[-1])]
     if not promising or not search.lasts or (runs and runs[0].score > promising[0].score):
         return ()
     pairs = sorted(filter(None, (_beside(search, t) for t in promising)), key=lambda pair: -_explained(pair))
@@ -45,7 +45,7 @@ def two_at_once(search: Search, trials: list[Trial], runs: list[Run]) -> Pair | 
 def _no_steps(search: Search, after: Model, both: Gain, keys: tuple[Key, Key]) -> bool:
     """Whether two causes gain more than the steps of an encoder may account for, and much more where one of them may smooth these steps."""
     steps = search.encoder_step
-    much = both.relative > MUCH or not (steps and any(cause in FILTERS for cause, _ in keys))
+    much = both.relative > MUCH_FALL or not (steps and any(cause in FILTERS for cause, _ in keys))
     return much and all(resolved(search.claim(key, both, after), search.noise, steps, strict=True) for key in keys)
 
 

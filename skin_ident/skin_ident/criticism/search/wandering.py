@@ -10,6 +10,7 @@ from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.vocabulary import ZERO_OF_DEPTH
 
 
 def take_wave(search: Search) -> bool:
@@ -36,4 +37,4 @@ def take_wave(search: Search) -> bool:
 def _also(session: Session) -> tuple[Rival, ...]:
     """What the same wave in the only channel may be, where depth drives it: a wave of the zero of depth (see `driving` for a load
     cell's)."""
-    return (Rival("position_offset", "rig", 0.0),) if len(session.channels) == 1 and session.drive is None else ()
+    return (Rival(*ZERO_OF_DEPTH, 0.0),) if len(session.channels) == 1 and session.drive is None else ()

@@ -20,7 +20,7 @@ from dataclasses import replace
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, fit
-from skin_ident.criticism.gates.gate import MATERIAL, breadth_of
+from skin_ident.criticism.gates.gate import MATERIAL_FALL, breadth_of
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.state import Search
@@ -131,7 +131,7 @@ def unweigh(search: Search) -> None:
 
 def _least(free: Fit, sessions: list[Session]) -> float:
     """What the mass must explain to matter. Only the force shows it; as for every cause that few channels carry, less is enough then."""
-    return MATERIAL * free.count * breadth_of(1, len(sessions[0].channels))
+    return MATERIAL_FALL * free.count * breadth_of(1, len(sessions[0].channels))
 
 
 def hanging(before: Model, after: Model) -> tuple[Inertia, ...]:

@@ -11,7 +11,7 @@ from skin_ident.stretches import runs, without
 
 LONGEST = 8  # samples of one excursion
 BACK = 0.45  # share of the smaller jump within which it must come back
-OWN = 0.6  # share of a jump in the residual that must be in the measurement itself
+OWN_SHARE = 0.6  # share of a jump in the residual that must be in the measurement itself
 SLOPE = 0.35  # share of a jump that the change just before or after it may have
 STILL = 0.5  # share of a jump by which the model itself may move
 AROUND = 3  # samples around it that are searched for such movement: the model may misplace a contact by so many
@@ -27,7 +27,7 @@ def excursions(e: np.ndarray, y: np.ndarray, limit: float) -> np.ndarray:
     if not far.any():
         return np.zeros(e.size, bool)
     dy = np.diff(y)
-    sharp = far & (dy * np.sign(d) > OWN * np.abs(d)) & _sudden(d)
+    sharp = far & (dy * np.sign(d) > OWN_SHARE * np.abs(d)) & _sudden(d)
     calm = maximum_filter1d(np.abs(dy - d), 2 * AROUND + 1) < STILL * np.abs(d)
     return _of_their_own(paired(e, d, np.flatnonzero(sharp & calm)), e, y - e)
 

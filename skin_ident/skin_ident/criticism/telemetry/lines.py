@@ -18,7 +18,7 @@ from scipy.stats import gamma
 
 from skin_ident.criticism.pattern import in_sessions
 from skin_ident.criticism.telemetry.bursts import COMING, coming, envelope
-from skin_ident.criticism.telemetry.motion_lines import LONE, goes_on_at_rest, is_of_motion, over_background
+from skin_ident.criticism.telemetry.motion_lines import LONE_LINE, goes_on_at_rest, is_of_motion, over_background
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_models.words import counted
 
@@ -162,9 +162,9 @@ def _lines(
         line = _line(rows, frequency[i], tall, dt)
         alone = np.median(width[max(i - AROUND, 0) : i + AROUND + 1]) < LONELY * tall
         tone = _narrow(each, i) or _in_bursts(rows, line.frequency, dt)
-        at_rest = (tone or tall > LONE) and goes_on_at_rest(rows, predicted, line.frequency, line.amplitude, dt)
+        at_rest = (tone or tall > LONE_LINE) and goes_on_at_rest(rows, predicted, line.frequency, line.amplitude, dt)
         if tone or at_rest:
-            told = not doubtful and (tall > LONE or not strict)
+            told = not doubtful and (tall > LONE_LINE or not strict)
             if at_rest or (alone and told and not is_of_motion(rows, predicted, line.frequency, line.amplitude, tall, dt, strict=strict)):
                 lines.append(line)
             else:

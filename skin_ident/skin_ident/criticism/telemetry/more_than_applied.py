@@ -15,9 +15,9 @@ import numpy as np
 
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.telemetry.units import FOLLOWS, declared_step, load_of, pressed
+from skin_ident.criticism.vocabulary import MORE_THAN_APPLIED
 from skin_models.model import Model
 
-KIND = "more than applied"
 MORE, SURE = 1.1, 3.0  # least ratio that is reported; standard errors by which it must exceed one
 BLOCKS = 10  # blocks of a session, for the standard error
 LEAST = 0.3  # least share of the force that skin leads through the taxel under the plunger
@@ -94,7 +94,7 @@ def _symptom(recordings: list, i: int, ratio: Ratio) -> Symptom:
     taxel = sensor_of(channel, n)
     reads = f"{channel} reads {ratio.value:.3g} ± {ratio.std:.2g} times the force that the load cell says is applied"
     why = "; ".join([f"{reads}, and no taxel can receive more than the applied force", *_guesses(channel, ratio.value)])
-    evidence = {"why": why, "kind": KIND, "ratio": ratio.value, "std": ratio.std}
+    evidence = {"why": why, "kind": MORE_THAN_APPLIED, "ratio": ratio.value, "std": ratio.std}
     rivals = (("gain_error", "load_cell"), ("gain_error", taxel), ("data_error", taxel))
     rivals += (("crosstalk", taxel),) if n > 1 else ()
     parameters = {"ratio": {**quantity(ratio.value, "1"), "std": ratio.std}}

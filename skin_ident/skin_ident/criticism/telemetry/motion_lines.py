@@ -13,7 +13,7 @@ from scipy.stats import f as f_distribution
 BY_DEPTH = 0.4  # share of a line's amplitude up to which the simulation may move near its frequency
 NEAR = 3  # bins to either side
 TALL = 20.0  # height over the background from which a function of the motion has a line of its own
-LONE = 100.0  # height over the background of a line that a motion without a line of its own cannot have made
+LONE_LINE = 100.0  # height over the background of a line that a motion without a line of its own cannot have made
 SEVERAL, ABOVE = 3, 8.0  # sessions, in each of which the line must stand so many times as tall as any function of the motion
 CYCLES, LEAST_S = 8, 2.0  # cycles of a line in a window at rest, and the window's least length
 STILL = 0.25  # share of the line's amplitude by which the simulation may move in such a window (standard deviation)
@@ -49,9 +49,9 @@ def is_of_motion(
     there.
 
     Movement alone is excused where no function of the motion has a line: if the residual's line is as `tall` (times its background) as
-    `LONE`, or if it stands, in each of `SEVERAL` sessions or more, `ABOVE` times as tall in the residuals `rows` (N,) as in any function of
-    the motion. A `strict` answer excuses nothing. "Near" is as far as the lines of a residual may differ from session to session, where
-    periodic motions of different speed may meet.
+    `LONE_LINE`, or if it stands, in each of `SEVERAL` sessions or more, `ABOVE` times as tall in the residuals `rows` (N,) as in any
+    function of the motion. A `strict` answer excuses nothing. "Near" is as far as the lines of a residual may differ from session to
+    session, where periodic motions of different speed may meet.
     """
     n = min(m.size for m in predicted)
     i = round(frequency * n * dt)
@@ -60,7 +60,7 @@ def is_of_motion(
     of_motion = [[np.max(over_background(y)[near]) for y in _made_of(m[:n])] for m in predicted if np.ptp(m[:n]) > 0.0]
     heights = [np.max(over_background(e[:n])[near]) for e, m in zip(rows, predicted, strict=True) if np.ptp(m[:n]) > 0.0]
     alone = len(heights) >= SEVERAL and all(h > ABOVE * max(own) for h, own in zip(heights, of_motion, strict=True))
-    excused = not strict and (tall >= LONE or alone)
+    excused = not strict and (tall >= LONE_LINE or alone)
     return (moves > BY_DEPTH * amplitude and not excused) or _has_line(of_motion)
 
 

@@ -38,7 +38,7 @@ LOUDER = 1.35  # factor from which it is too loud where others are as declared
 COLOURED, WHITE = 0.88, 0.25
 GROWN, STEADY = 1.6, 1.25  # growth with the load: a channel is odd above the first, if that of the others is below the second
 BURIED = 0.5  # rms of rounding over declared noise, from which the noise is buried: steps 1.7 times as wide as it
-SEEN = (
+NOISE_SEEN = (
     f"looked for and not seen: found where it is {OTHER_LEVEL:g} times as large as declared or more, or so much smaller; and where, in "
     f"one channel and not in another, it is {LOUDER:g} times as large, neighbouring samples are alike (correlation above {COLOURED:g}), or "
     f"a load makes it {GROWN:g} times as large"

@@ -20,7 +20,7 @@ from scipy.optimize import linear_sum_assignment
 
 from skin_ident.criticism.pattern import in_sessions, when
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
-from skin_ident.criticism.telemetry.units import AGAINST, FACTORS, FOLLOWS, NEAR, by_grid, load_of, pressed
+from skin_ident.criticism.telemetry.units import AGAINST, FACTORS, FOLLOWS, NEAR_FACTOR, by_grid, load_of, pressed
 from skin_ident.criticism.vocabulary import SWAPPED, UNIT_FACTOR
 
 ODD = 0.15  # distance of two unit vectors of shares from which another order is tried
@@ -196,7 +196,7 @@ def _is_in_unit(factor: float, stiffer: float, wider: float) -> bool:
 def _factor(logs: np.ndarray, i: int, c: int) -> float | None:
     """The factor of units by which channel `c` of session `i` is too large; None where there is none, or where another channel has it."""
     own, whole = _beside(logs, i, c), logs[i, c] - np.median(np.delete(logs[:, c], i))
-    factor = next((f for f in FACTORS if abs(own - np.log(f)) < np.log(WIDE if max(f, 1.0 / f) > HUGE else 1.0 + NEAR)), None)
+    factor = next((f for f in FACTORS if abs(own - np.log(f)) < np.log(WIDE if max(f, 1.0 / f) > HUGE else 1.0 + NEAR_FACTOR)), None)
     if factor is None or abs(whole) < 0.5 * abs(own) or whole * own < 0.0:
         return None
     others = [_beside(logs[np.arange(len(logs)) != i], j, c) for j in range(len(logs) - 1)] if len(logs) > 2 else [0.0]

@@ -13,11 +13,11 @@ import numpy as np
 from scipy.stats import binom, poisson
 
 from skin_ident.criticism.telemetry.as_read import AsRead, as_read
-from skin_ident.criticism.telemetry.excursions import OWN, excursions, fill_clusters, held
+from skin_ident.criticism.telemetry.excursions import OWN_SHARE, excursions, fill_clusters, held
 from skin_ident.criticism.telemetry.pushed import not_pushed, not_shared
 from skin_ident.criticism.telemetry.swallowed import is_swallowed
 from skin_ident.criticism.telemetry.symptom import Symptom
-from skin_ident.criticism.telemetry.tails import CHANCE, HEAVIEST, LEAST, reach, smallest_step, stands_apart
+from skin_ident.criticism.telemetry.tails import HEAVIEST_TAIL, LEAST_LIMIT, TAIL_CHANCE, reach, smallest_step, stands_apart
 from skin_ident.criticism.telemetry.unlikely import unlikely_runs
 from skin_ident.criticism.telemetry.wrong_samples import Marks, told
 from skin_ident.recordings.recording import Recording
@@ -162,8 +162,8 @@ def _far_off(e: np.ndarray, a: int, b: int, limit: float) -> bool:
 
 def _to_one_reading(far: list[np.ndarray], y: list[np.ndarray], limit: float, step: float) -> list[np.ndarray]:
     """The excursions that end at one and the same reading, as where a line drops out. Beyond `limit` L, in a tail as heavy as noise may
-    have to either side, the density at a distance d is at most n / (2 L) (L / d)^(n + 1) per newton, n = `HEAVIEST`. So only few of many
-    fall into the same step of a converter by chance."""
+    have to either side, the density at a distance d is at most n / (2 L) (L / d)^(n + 1) per newton, n = `HEAVIEST_TAIL`. So only few of
+    many fall into the same step of a converter by chance."""
     begin = [runs(f)[0] for f in far]
     ends, origins = (np.concatenate([b[np.maximum(a - k, 0)] for b, a in zip(y, begin, strict=True)]) for k in (0, 1))
     if ends.size < DROPPED:
@@ -171,10 +171,10 @@ def _to_one_reading(far: list[np.ndarray], y: list[np.ndarray], limit: float, st
     readings, counts = np.unique(np.round(ends / max(step, 1e-12)), return_counts=True)
     one = readings[np.argmax(counts)] * step
     away = np.abs(one - origins)
-    able = away >= OWN * limit  # excursions jump at least that far
-    at_one = 0.5 * HEAVIEST * step / limit * (limit / np.maximum(away[able], limit)) ** (HEAVIEST + 1.0)
+    able = away >= OWN_SHARE * limit  # excursions jump at least that far
+    at_one = 0.5 * HEAVIEST_TAIL * step / limit * (limit / np.maximum(away[able], limit)) ** (HEAVIEST_TAIL + 1.0)
     by_chance = ends.size * poisson.sf(counts.max() - 1, np.sum(np.minimum(at_one, 1.0)))
-    if counts.max() < DROPPED or by_chance > CHANCE:
+    if counts.max() < DROPPED or by_chance > TAIL_CHANCE:
         return [np.zeros_like(f) for f in far]
     return [f & (np.abs(b - one) <= 0.5 * step) for b, f in zip(y, far, strict=True)]
 
@@ -194,7 +194,7 @@ def _sure(still: np.ndarray, s: Said, c: int) -> int:
     """Number of runs of `still`, a mask of channel `c`, that miss a movement from its beginning on and that no other channel
     contradicts."""
     e, y = s.residual, s.raw
-    noise = [reach(np.diff(row)) / LEAST for row in e]
+    noise = [reach(np.diff(row)) / LEAST_LIMIT for row in e]
     return sum(_from_the_start((y - e)[c, a : b + 1]) and not _denied(e, y, noise, c, a, b) for a, b in zip(*runs(still), strict=True))
 
 

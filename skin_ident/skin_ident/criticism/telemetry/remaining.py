@@ -8,13 +8,14 @@ import numpy as np
 
 from skin_ident.criticism.telemetry import lines, more_than_applied, wrong_samples
 from skin_ident.criticism.telemetry.symptom import Symptom
+from skin_ident.criticism.vocabulary import MORE_THAN_APPLIED
 from skin_models.model import Model
 
 
 def remains(symptom: Symptom, recordings: list, channels: tuple[str, ...], rests: list[np.ndarray], model: Model) -> bool:
     """Whether a symptom is still there in measured less simulated (C, N) N of each recording under the extended `model`. Symptoms that no
     model could explain remain."""
-    if symptom.evidence.get("kind") == more_than_applied.KIND:
+    if symptom.evidence.get("kind") == MORE_THAN_APPLIED:
         return more_than_applied.is_left(symptom, model)
     if symptom.channels[0] not in channels:
         return True

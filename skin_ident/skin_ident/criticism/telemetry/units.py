@@ -14,7 +14,7 @@ from skin_ident.criticism.vocabulary import SWAPPED, UNIT_CHANGE, UNIT_FACTOR
 
 # A pound-force and a kilogram-force in N, a technical atmosphere in MPa, each either way; thousands, and a point that is out of place.
 FACTORS = (4.44822, 1 / 4.44822, 9.80665, 1 / 9.80665, 0.0980665, 1 / 0.0980665, 1000.0, 1e-3, 10.0, 0.1)
-NEAR = 0.06  # relative deviation of a ratio of slopes from such a factor
+NEAR_FACTOR = 0.06  # relative deviation of a ratio of slopes from such a factor
 PIECES = 12  # pieces of a session, each tested for its grid
 FOLLOWS = 0.5  # correlation with the load, without which a slope means nothing
 WITHIN, ENOUGH = 0.3, 0.1  # share of the greatest depth beyond which contact is sure; share of the samples that must be there
@@ -88,7 +88,7 @@ def _by_slope(recordings: list, channel: str) -> list[Symptom]:
     if len(slopes) < 2 or not np.all(np.isfinite(slopes)) or np.any(np.abs(slopes) < 1e-9):
         return []
     ratios = slopes / np.median(slopes)
-    near = [next((f for f in FACTORS if abs(ratio / f - 1.0) < NEAR), None) for ratio in ratios]  # some are near each other
+    near = [next((f for f in FACTORS if abs(ratio / f - 1.0) < NEAR_FACTOR), None) for ratio in ratios]  # some are near each other
     found = []
     for factor in dict.fromkeys(f for f in near if f):
         odd = [i for i, f in enumerate(near) if f == factor]

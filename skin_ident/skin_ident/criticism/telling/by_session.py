@@ -33,7 +33,7 @@ MOST = 0.3  # share of a session's samples that must be trusted in a channel
 TINY = 1e-9  # N, and relative: next to nothing
 FEWEST = 4  # sessions needed for one to stand out
 CHANCE = 1e-3  # probability that a number of a sound session stands out
-LEAST = {"stiffness": 0.005, "ratio": 0.005, "recovery": 0.05, "zero": 0.0}  # least relative difference with which a number stands out
+STANDS_OUT = {"stiffness": 0.005, "ratio": 0.005, "recovery": 0.05, "zero": 0.0}  # least relative difference with which a number stands out
 ALIKE = 0.1  # relative difference between the RMS errors of sessions of one kind
 MOST_OF_IT = 1.6  # ratio of RMS residuals above which one session, or some, stand above all others
 
@@ -188,7 +188,7 @@ def _odd(own: list[_Alone], errors: list[dict[str, Any]]) -> Iterator[tuple[str,
         for channel in dict.fromkeys(channel for o in own for channel in o[kind]):
             told = {i: o[kind][channel] for i, o in enumerate(own) if channel in o[kind]}
             y, std = np.array([*told.values()]).T
-            yield f"{kind}.{channel}", {i for i, out in zip(told, standing_out(y, std, LEAST[kind]), strict=True) if out}
+            yield f"{kind}.{channel}", {i for i, out in zip(told, standing_out(y, std, STANDS_OUT[kind]), strict=True) if out}
     for channel in dict.fromkeys(channel for e in errors for channel in e):
         told = {i: np.log(max(e[channel]["extended"], TINY)) for i, e in enumerate(errors) if channel in e}
         y = np.array([*told.values()])

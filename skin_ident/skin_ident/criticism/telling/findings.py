@@ -7,7 +7,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.unknowns import Unknown, values
-from skin_ident.criticism.pattern import FEWEST, in_sessions, pattern, span
+from skin_ident.criticism.pattern import FEWEST_SESSIONS, in_sessions, pattern, span
 from skin_ident.criticism.said import Said
 from skin_ident.criticism.search.bounds import excluded_and_untestable
 from skin_ident.criticism.search.named import Criticism, Named, NotNamed
@@ -21,7 +21,7 @@ from skin_ident.criticism.telling.by_session import by_session, most_left
 from skin_ident.criticism.telling.entry import Entry, alternative, no_gain
 from skin_ident.criticism.telling.given_model import not_there, numbers_fitted
 from skin_ident.criticism.telling.leftover import Rest
-from skin_ident.criticism.telling.untold import NEEDS, with_load_cell_untold
+from skin_ident.criticism.telling.untold import KNOWN_LOAD, with_load_cell_untold
 from skin_ident.criticism.vocabulary import BY_NAME, PARAMETERS, Key, word_of
 from skin_ident.recordings.carried import said_of
 from skin_ident.recordings.recording import Recording
@@ -111,7 +111,7 @@ def _of_each_session(named: Named) -> dict[str, Any]:
         return {}
     said = "; ".join(f"{session}: {course}" for session, course in named.courses.items())
     goes = _goes(named.courses)
-    of_many = goes if len(named.courses) >= FEWEST else {}
+    of_many = goes if len(named.courses) >= FEWEST_SESSIONS else {}
     why = f"each session has its own ({of_many.get('pattern', said)}), which no parameter shared by all sessions can describe"
     sizes = {session: list(course.sizes) for session, course in named.courses.items()}
     return {"why": why, "of_each_session": named.courses, "sessions": sizes, **goes}
@@ -180,7 +180,7 @@ def _separating(named: Named, experiments: Experiments, driven: bool) -> tuple[s
     if named.key in experiments:
         file, experiment = experiments[named.key]
         return experiment.sentence(file), {"separating_evidence": experiment.numbers, **({"battery": file} if file else {})}
-    beside = [NEEDS] if driven and any(where == "load_cell" for _, where in (named.key, *(a.key for a in named.alternatives))) else []
+    beside = [KNOWN_LOAD] if driven and any(where == "load_cell" for _, where in (named.key, *(a.key for a in named.alternatives))) else []
     rivals = dict.fromkeys([named.cause, *(a.cause for a in named.alternatives)])
     return "record " + "; and ".join(dict.fromkeys([*beside, *(BY_NAME[r].needs for r in rivals)])), {}
 

@@ -20,7 +20,7 @@ from skin_models.model import Model
 
 OTHER_UNIT = 3.0  # ratio of a taxel to the applied force that no mere gain error reaches
 UNSURE = 1.5  # ratio of the residual to that without what training leaves uncertain, above which a warning is given
-MOVED, SURE = 0.05, 3.0  # relative change, and change in standard errors, above which a parameter is reported to have moved
+MOVED_SHARE, MOVED_ERRORS = 0.05, 3.0  # relative change, and change in standard errors, above which a parameter is reported to have moved
 
 
 def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...], encoder_step: float = 0.0) -> dict[str, Any]:
@@ -155,7 +155,7 @@ def moved(after: Model, before: Model, c: Criticism) -> dict[str, Any]:
     return {
         u.label: {"before": float(b), "after": float(a), "unit": u.parameter.unit}
         for u, b, a in pairs
-        if abs(a - b) > max(MOVED * abs(b), SURE * (c.baseline.std.get(u.label) or 0.0))
+        if abs(a - b) > max(MOVED_SHARE * abs(b), MOVED_ERRORS * (c.baseline.std.get(u.label) or 0.0))
     }
 
 

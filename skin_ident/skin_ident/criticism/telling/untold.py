@@ -6,7 +6,7 @@ from typing import Any
 from skin_ident.criticism.vocabulary import CAUSES, Key
 from skin_models.catalogue import effects
 
-NEEDS = "the depth (encoder), or a known load on the load cell"
+KNOWN_LOAD = "the depth (encoder), or a known load on the load cell"
 OF_LOAD_CELL = "the force drives the simulation: without a depth, the load cell cannot be distinguished from taxels and skin"
 OF_DEAD = "the taxel is dead: other faults of it cannot be seen"
 SEEN = ("outliers", "quantization")  # visible in the force itself, also where it drives the test
@@ -25,7 +25,7 @@ def with_load_cell_untold(untestable: list[dict[str, Any]], named: Collection[Ke
     replaced."""
     untold = [cause for cause in _causes_of("load_cell") if cause not in SEEN and (cause, "load_cell") not in named]
     kept = [e for e in untestable if e["cause"] not in untold or e.get("where") not in (None, "load_cell")]
-    return kept + [{"cause": name, "where": "load_cell", "because": OF_LOAD_CELL, "needs": NEEDS} for name in untold]
+    return kept + [{"cause": name, "where": "load_cell", "because": OF_LOAD_CELL, "needs": KNOWN_LOAD} for name in untold]
 
 
 def with_dead_untold(untestable: list[dict[str, Any]], dead: Iterable[str]) -> list[dict[str, Any]]:
