@@ -6,6 +6,7 @@ from typing import Any
 
 from skin_ident.cli import common
 from skin_ident.estimators.calibration import Line, as_rig_yaml, calibrate, stiffness
+from skin_ident.estimators.estimate import HALF_95
 from skin_ident.estimators.figures import figures, plus_minus
 from skin_ident.estimators.prony import Arm, PronyFit, fit_prony
 from skin_ident.recordings.carried import said_of
@@ -15,7 +16,6 @@ from skin_models.words import counted
 
 DISPERSION, PRONY, CALIBRATION, STIFFNESS = "dispersion", "prony", "calibration", "stiffness"
 WHAT = (DISPERSION, PRONY, CALIBRATION, STIFFNESS)
-SURE = 1.96  # standard errors in half of a 95 % interval
 WIDE = 20  # columns of the table
 
 
@@ -48,7 +48,7 @@ def _lines(what: str, recordings: Sequence[Recording], lines: Mapping[str, Line]
     against, unit, zero = ("load cell", "N/V", (1.0, "V")) if what == CALIBRATION else ("depth", "N/m", (1e3, "mm"))
     out = [f"{what} against the {against}: {_of(recordings)}"]
     out += [
-        f"  {name:<10} {plus_minus(line.slope, SURE * line.slope_std):>{WIDE}} {unit}, zero at {zero[0] * line.zero:.4g} {zero[1]}, "
+        f"  {name:<10} {plus_minus(line.slope, HALF_95 * line.slope_std):>{WIDE}} {unit}, zero at {zero[0] * line.zero:.4g} {zero[1]}, "
         f"rms {figures(line.rms)} N, R² {line.r2:.5f}, {counted(line.samples, 'sample')}"
         for name, line in lines.items()
     ]
@@ -88,4 +88,4 @@ def _cells(fit: PronyFit, name: str, arms: Sequence[Arm]) -> list[str]:
 
 
 def _pair(value: float, std: float) -> str:
-    return plus_minus(value, SURE * std)
+    return plus_minus(value, HALF_95 * std)

@@ -10,6 +10,7 @@ from skin_ident import thesis_repeat as again
 from skin_ident.cli import common
 from skin_ident.criticism.scan.thesis import thesis_findings, thesis_spread
 from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.estimate import HALF_95
 from skin_ident.estimators.figures import plus_minus
 from skin_ident.thesis_dispersion import FreeMass, free_masses, speed_exponents
 from skin_models.thesis.comparison import Disagreement
@@ -124,7 +125,7 @@ def _spread_scan() -> dict[str, Any]:
     print("\nTable 4-10, silicone: the force at 0 to 12 mm from the taxel, diagnosed as a measured scan")
     outcome, gain = thesis_spread()
     for f in outcome.findings["findings"]:
-        numbers = ", ".join(f"{name} {p['value']:.3g} ± {1.96 * p['std']:.1g}" for name, p in f["parameters"].items())
+        numbers = ", ".join(f"{name} {p['value']:.3g} ± {HALF_95 * p['std']:.1g}" for name, p in f["parameters"].items())
         low, high = f["gain"]["ci95"]
         print(f"  {f['cause']} ({f['means']}): {numbers}; held out by depth, RMSE {f['gain']['held_out_rmse_before']:.3f} to "
               f"{f['gain']['held_out_rmse_after']:.3f} N, less by {low:.3f} to {high:.3f} N with 95 %")  # fmt: skip

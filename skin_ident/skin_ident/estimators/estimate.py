@@ -14,6 +14,7 @@ WEAK = "weak"
 NOT_IDENTIFIABLE = "not identifiable"
 AT_BOUND = "at its bound"
 FIXED = "fixed"
+HALF_95 = 1.96  # standard errors in half of a 95 % interval
 POOR = 0.9  # R² below which a fit is called poor
 SILENT = 0.1  # R² below which a channel is reported as hardly explained at all
 SHOWN = 8  # most channels that are named in one sentence

@@ -5,7 +5,7 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from skin_ident.estimators.estimate import Estimate
+from skin_ident.estimators.estimate import HALF_95, Estimate
 from skin_ident.estimators.figures import figures, plus_minus
 from skin_models.parameter import Parameter
 from skin_models.words import counted
@@ -50,7 +50,7 @@ def _telemetry(estimate: Estimate) -> list[str]:
 def _latencies(estimate: Estimate) -> list[str]:
     """A line with the channels' latencies behind the depth (ms), as far as the motion identifies them."""
     found = estimate.notes.get("latency_behind_depth_ms", {})
-    told = [f"{name} {plus_minus(e['value'], 1.96 * e['std'])}" for name, e in found.items() if math.isfinite(e["std"])]
+    told = [f"{name} {plus_minus(e['value'], HALF_95 * e['std'])}" for name, e in found.items() if math.isfinite(e["std"])]
     if not found:
         return []
     untold = f"; {len(found) - len(told)} not told" if told and len(told) < len(found) else ""
@@ -74,7 +74,7 @@ def _spread(estimate: Estimate) -> list[str]:
         return []
     if "reason" in s:
         return [f"spread over the taxels: {s['reason']}"]
-    x, y, c = (plus_minus(s[n]["value"], 1.96 * s[n]["std"]) for n in ("x_mm", "y_mm", "c_mm"))
+    x, y, c = (plus_minus(s[n]["value"], HALF_95 * s[n]["std"]) for n in ("x_mm", "y_mm", "c_mm"))
     return [f"spread over the taxels: centre ({x}, {y}) mm, width c {c} mm, R² {s['r2']:.4f}"]
 
 

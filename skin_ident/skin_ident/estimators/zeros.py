@@ -7,7 +7,7 @@ from contextlib import suppress
 
 from skin_ident.estimators.dispersion import fit_dispersion
 from skin_ident.estimators.errors import FitError
-from skin_ident.estimators.estimate import Estimate
+from skin_ident.estimators.estimate import HALF_95, Estimate
 from skin_ident.estimators.figures import plus_minus
 from skin_ident.recordings.recording import Recording
 from skin_models.signals import Motion
@@ -25,7 +25,7 @@ def zero_warnings(
         far = {n: _half_widths(estimate, free, n) for n, s in estimate.std.items() if s > 0.0 and free.std.get(n, 0.0) > 0.0}
         name = max(far, key=far.get, default="")
         if name and far[name] > FAR:
-            found = f"{name} comes out at {plus_minus(free.values[name], 1.96 * free.std[name])}"
+            found = f"{name} comes out at {plus_minus(free.values[name], HALF_95 * free.std[name])}"
             return [f"with a zero of its own for every channel (--offsets) {found}, outside of its interval: "
                     "the zero of the depth, or of a channel, seems a little off"]  # fmt: skip
     return []

@@ -12,6 +12,7 @@ from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.sentences import SCAN, farthest, separating, shift_of, why
 from skin_ident.criticism.telling.entry import Entry, alternative
 from skin_ident.criticism.vocabulary import BY_NAME
+from skin_ident.estimators.estimate import HALF_95
 
 ALL = ("off_centre", "crosstalk", "spread_width", "spread_shape", "anisotropy")
 CHANGED = "; a gain of {} that is not the same in all sessions would explain as much"
@@ -97,7 +98,7 @@ def excluded(a: ArrayCriticism) -> Iterator[dict[str, Any]]:
     if a.judgement.sure > POSSIBLE:
         return
     for j in filter(_told, a.judgement.unaided):
-        worst = max((abs(q["value"]) + 1.96 * q["std"], q["unit"], name) for name, q in _departures(j, a.layout).items())
+        worst = max((abs(q["value"]) + HALF_95 * q["std"], q["unit"], name) for name, q in _departures(j, a.layout).items())
         said = {"cause": j.hypothesis.cause, "where": j.hypothesis.where, "parameter": worst[2], "below": float(worst[0]), "unit": worst[1]}
         yield {**said, "limited_by": DECLARED, "needs": SCAN} if j.limited else said
 

@@ -84,8 +84,11 @@ def _of_channel(model: Model, channel: str, sensed: float, dispersed: float) -> 
 
 
 def rmse(residuals: list[np.ndarray], sessions: list[Session]) -> dict[str, float]:
-    """Root mean squared error by channel, N, of residuals [(C, n), …] over sessions; samples of weight 0 are left out."""
-    channels = sessions[0].channels
-    square = sum((r**2 * s.weight).sum(axis=1) for r, s in zip(residuals, sessions, strict=True))
-    count = sum(s.weight.sum(axis=1) for s in sessions)
-    return {c: float(np.sqrt(q / max(n, 1.0))) for c, q, n in zip(channels, square, count, strict=True)}
+    """Root mean squared error by channel, N, of residuals [(C, n), …] over sessions (see `pooled_rms`)."""
+    return dict(zip(sessions[0].channels, map(float, pooled_rms(residuals, sessions)), strict=True))
+
+
+def pooled_rms(residuals: list[np.ndarray], sessions: list[Session]) -> np.ndarray:
+    """Root mean square of every channel, (C,) N, of residuals [(C, n), …] over sessions; samples of weight 0 are left out."""
+    squares = sum((r**2 * s.weight).sum(axis=1) for r, s in zip(residuals, sessions, strict=True))
+    return np.sqrt(squares / np.maximum(sum(s.weight.sum(axis=1) for s in sessions), 1.0))

@@ -29,6 +29,7 @@ from skin_ident.criticism.gates.uncertain import Open, own_rows
 from skin_ident.criticism.noise.pursuit import Normal
 from skin_ident.criticism.noise.steps import sharpest
 from skin_ident.criticism.noise.whitening import Whitener, stack
+from skin_ident.criticism.projection import basis, projected_off
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
@@ -169,7 +170,7 @@ class _Ground:
         if self.Q is None:
             return rows
         rows = np.concatenate([rows, np.zeros((len(self.Q) - len(rows), *rows.shape[1:]))])
-        return rows - self.Q @ (self.Q.T @ rows)
+        return projected_off(rows, self.Q)
 
     def span(self, course: Course, s: Session) -> tuple[float, float]:
         """First and last moment (s) at which a course may step; after the last one too little is compared to see the step. A slope step at
@@ -192,11 +193,6 @@ def _ground(model: Model, sessions: list[Session], noise: Whitener, Q: np.ndarra
 
 def _held_ground(model: Model, held: list[Session], noise: Whitener, free: Open) -> _Ground:
     return _ground(model, held, noise, basis(free.rows(held, noise)), alone=True)
-
-
-def basis(A: np.ndarray) -> np.ndarray:
-    """An orthonormal basis (R, U) of the span of the non-zero columns of `A` (R, M). For a zero column QR would invent a direction."""
-    return np.linalg.qr(A[:, np.any(A != 0.0, axis=0)])[0]
 
 
 def _run(course: Course, g: _Ground, at: Moments | None = None) -> Run:

@@ -16,11 +16,11 @@ from scipy.optimize import lsq_linear
 
 from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.courses.carriers import DEPTH, DRIVE, carried
-from skin_ident.criticism.courses.course import basis
 from skin_ident.criticism.courses.left_by_tare import MORE_BY_LARGER_ZEROS, tare_of_drive, tares
 from skin_ident.criticism.courses.run import least_depth
 from skin_ident.criticism.gates.uncertain import own_rows
 from skin_ident.criticism.noise.whitening import Whitener, stack
+from skin_ident.criticism.projection import basis, projected_off
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
@@ -41,7 +41,7 @@ def zeros(model: Model, sessions: list[Session], noise: Whitener, encoder_step: 
         r = stack([residual(model, s) for s in sessions], sessions, noise)
         if free:
             Q = basis(stack(own_rows(model, sessions, sessions), sessions, noise))
-            A, r = A - Q @ (Q.T @ A), r - Q @ (Q.T @ r)
+            A, r = projected_off(A, Q), projected_off(r, Q)
         span, triangle = np.linalg.qr(A)
         seen = span.T @ r
         evenly = np.concatenate([triangle, EVENLY * np.eye(len(triangle))]), np.concatenate([seen, np.zeros(len(triangle))])

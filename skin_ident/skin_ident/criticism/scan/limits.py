@@ -14,6 +14,7 @@ from skin_ident.criticism.scan.family import QUANTITIES
 from skin_ident.criticism.scan.fitting import Member, jacobian, tangents
 from skin_ident.criticism.scan.whitening import Whitener
 from skin_ident.criticism.vocabulary import CAUSES
+from skin_ident.estimators.estimate import HALF_95
 
 CLEAR = 3.0  # standard errors
 _TIME = "a static scan has no time in it"
@@ -89,7 +90,7 @@ def _limit(m: Member, cells: Cells, noise: Whitener, c: Candidate) -> dict[str, 
     z = float((covariance @ (J.T @ e))[position]) + (m.values[name] if name == "threshold" else 0.0)
     if not sd or CLEAR * sd > m.steps[name]:
         return None
-    return {"cause": c.cause, "where": c.where, "parameter": name, "below": abs(z) + 1.96 * sd, "unit": QUANTITIES[name].unit}
+    return {"cause": c.cause, "where": c.where, "parameter": name, "below": abs(z) + HALF_95 * sd, "unit": QUANTITIES[name].unit}
 
 
 def _size(m: Member, cells: Cells, noise: Whitener) -> dict[str, Any]:
@@ -97,5 +98,5 @@ def _size(m: Member, cells: Cells, noise: Whitener) -> dict[str, Any]:
     J = noise.apply(np.hstack([tangents(m, cells, m.free), m.through(cells)[:, None]]))
     covariance = np.linalg.pinv(J.T @ J)
     z = float((covariance @ (J.T @ noise.apply(cells.y - m.predict(cells))))[-1])
-    below = abs(z) + 1.96 * float(np.sqrt(covariance[-1, -1]))
+    below = abs(z) + HALF_95 * float(np.sqrt(covariance[-1, -1]))
     return {"cause": "parameters", "where": "skin", "parameter": "k1", "below": below, "unit": "1"}

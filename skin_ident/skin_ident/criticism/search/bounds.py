@@ -26,6 +26,7 @@ from skin_ident.criticism.search.ranking import UNEXCITED, Projected
 from skin_ident.criticism.search.survey import Survey, detectable
 from skin_ident.criticism.telemetry.noise_level import NOISE_SEEN
 from skin_ident.criticism.vocabulary import AT_FULL_RATE, CAUSES, GAIN_ERROR, Cause, Key, where_and_clock
+from skin_ident.estimators.estimate import HALF_95
 from skin_models.model import Model
 from skin_models.parameter import SHAPE, Parameter, parameters_of
 
@@ -118,7 +119,7 @@ def _grown(d: Direction, grown: Mapping[Key, Fit]) -> float:
         for i, e in enumerate(found.model.effects)
         if e.key == d.key and type(d.effect) in (type(e), e.refines)
     ]
-    return max((abs(value) + 1.96 * std for value, std in mine), default=0.0) / d.size
+    return max((abs(value) + HALF_95 * std for value, std in mine), default=0.0) / d.size
 
 
 def _in_skins(d: Direction, skins: float) -> float:
@@ -129,7 +130,7 @@ def _in_skins(d: Direction, skins: float) -> float:
 def _amounts(p: Projected) -> np.ndarray:
     """|z| + 1.96 sd of every direction by itself."""
     energies = np.where(p.energies > 0.0, p.energies, np.inf)
-    return np.abs(p.product / energies) + 1.96 / np.sqrt(energies)
+    return np.abs(p.product / energies) + HALF_95 / np.sqrt(energies)
 
 
 def _beside_others(p: Projected) -> np.ndarray:
@@ -144,7 +145,7 @@ def _beside_others(p: Projected) -> np.ndarray:
         fit = np.where(able, fit, 1.0)
         other = (p.product[j] * p.energies - p.product * both) / fit
         there = able & (other**2 * fit > np.log(max(p.rows, 2)) * p.energies)
-        own = np.abs(p.product * p.energies[j] - p.product[j] * both) / fit + 1.96 * np.sqrt(p.energies[j] / fit)
+        own = np.abs(p.product * p.energies[j] - p.product[j] * both) / fit + HALF_95 * np.sqrt(p.energies[j] / fit)
         bounds = np.where(there, np.maximum(bounds, own), bounds)
     return bounds
 

@@ -16,12 +16,13 @@ from skin_ident.criticism.baseline.fitting import cost_of, fit, tangents, whiten
 from skin_ident.criticism.baseline.residual import placed, residual, stiffness
 from skin_ident.criticism.baseline.unknowns import Unknown, unknowns
 from skin_ident.criticism.courses.carriers import DEPTH, SLOPE
-from skin_ident.criticism.courses.course import added, basis
+from skin_ident.criticism.courses.course import added
 from skin_ident.criticism.courses.kinds import CONSTANT
 from skin_ident.criticism.courses.run import LEAST_SCORE, Run
 from skin_ident.criticism.gates.another_skin import changes, of_the_skin, solved
 from skin_ident.criticism.gates.gate import Gain, gain_of_residuals
 from skin_ident.criticism.noise.whitening import stack
+from skin_ident.criticism.projection import basis, projected_off
 from skin_ident.criticism.said import Said
 from skin_ident.criticism.search.hardware import skin_does, specimens_do
 from skin_ident.criticism.search.named import Named
@@ -219,7 +220,7 @@ def _of_train(search: Search) -> tuple[np.ndarray, float]:
     Q = basis(stack(tangents(model, sessions, unknowns(model, sessions[0])), sessions, noise))
     J, now = block_diag(*(_rows(search, s) for s in sessions)), np.concatenate([_present(search, s) for s in sessions])
     r = whitened(model, sessions, noise) + J @ now
-    J, r = J - Q @ (Q.T @ J), r - Q @ (Q.T @ r)
+    J, r = projected_off(J, Q), projected_off(r, Q)
     theta, explained = solved(J, r)
     return theta.reshape(len(sessions), -1), explained
 

@@ -24,12 +24,12 @@ import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, whitened
 from skin_ident.criticism.baseline.residual import simulated
-from skin_ident.criticism.courses.course import basis
 from skin_ident.criticism.courses.kinds import CAUSE_OF, CONSTANT
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.gate import Gain, gain_of_residuals, held_out_gain, in_turn, left_by
 from skin_ident.criticism.gates.second_opinion import halves_in_turn
 from skin_ident.criticism.noise.whitening import stack
+from skin_ident.criticism.projection import basis, projected_off
 from skin_ident.criticism.search.believing import believed_in_part
 from skin_ident.criticism.search.growing import felt
 from skin_ident.criticism.search.named import Named
@@ -132,7 +132,7 @@ class _Ground:
         white = [stack([rows], [s], noise) for rows, s in zip(every, sessions, strict=True)]
         J = np.concatenate([a[:, : own[0]] for a in white])
         r, Q = whitened(search.present.model, sessions, noise), basis(J)
-        r = r - Q @ (Q.T @ r)
+        r = projected_off(r, Q)
         begins = np.cumsum([len(a) for a in white])[:-1]
         parts = list(zip((a[:, own[0] :] for a in white), np.split(Q, begins), np.split(r, begins), strict=True))
         return cls(
@@ -149,7 +149,7 @@ class _Ground:
         """What other parameters of the plain model for these sessions explain, less charges."""
         parts = zip(np.split(self.own, self.begins), self.names, strict=True)
         J = np.concatenate([part * (name in having) for part, name in parts])
-        apart = basis(J - self.Q @ (self.Q.T @ J))
+        apart = basis(projected_off(J, self.Q))
         return float(np.sum((apart.T @ self.left) ** 2)) - self.charge * apart.shape[1]
 
     @property

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
+from skin_ident.criticism.projection import projected_off
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.vocabulary import Key
 
@@ -69,7 +70,7 @@ def project(which: tuple[Direction, ...], A: np.ndarray, J: np.ndarray, r: np.nd
     """
     Q, _ = np.linalg.qr(J) if J.size else (np.zeros((r.size, 0)), None)
     imitated = Q.T @ A
-    r = r - Q @ (Q.T @ r)
+    r = projected_off(r, Q)
 
     def products(index: np.ndarray) -> np.ndarray:
         a, q = A.T[index], imitated.T[index]

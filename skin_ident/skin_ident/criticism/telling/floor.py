@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from skin_ident.criticism.baseline.residual import residual, simulated
+from skin_ident.criticism.baseline.residual import pooled_rms, residual, simulated
 from skin_ident.criticism.gates.gate import by_block
 from skin_ident.criticism.gates.resolution import AT_FEW_DEPTHS, RESOLVED, unread_force
 from skin_ident.criticism.gates.uncertain import beside_uncertainty
@@ -86,8 +86,8 @@ def floor_of_all(c: Criticism, floor: dict[str, dict[str, Any]], left: dict[str,
     if all(rms <= DOUBTED * max(floor[channel]["rms"], ROUNDING) for channel, rms in left.items()):
         return floor
     tested = list(c.held or c.train)
-    fitted = _pooled([c.last.left_by_everything(s) for s in tested], tested)
-    between = _pooled([predicted_between(c.last, s) for s in tested], tested)
+    fitted = pooled_rms([c.last.left_by_everything(s) for s in tested], tested)
+    between = pooled_rms([predicted_between(c.last, s) for s in tested], tested)
     return {name: {**floor[name], "rms": float(rms)} for name, rms in zip(floor, np.minimum(fitted, between), strict=True)}
 
 
@@ -98,12 +98,7 @@ def left_beside(c: Criticism, floor: dict[str, dict[str, Any]], left: dict[str, 
         return left
     tested, noise = list(c.held), c.last.noise
     rests = beside_uncertainty([residual(c.extended.model, s) for s in tested], c.last.model, list(c.train), tested, noise)
-    return {name: min(left[name], float(rms)) for name, rms in zip(tested[0].channels, _pooled(rests, tested), strict=True)}
-
-
-def _pooled(rests: list[np.ndarray], sessions: list[Session]) -> np.ndarray:
-    squares = sum((e**2 * s.weight).sum(axis=1) for e, s in zip(rests, sessions, strict=True))
-    return np.sqrt(squares / np.maximum(sum(s.weight.sum(axis=1) for s in sessions), 1.0))
+    return {name: min(left[name], float(rms)) for name, rms in zip(tested[0].channels, pooled_rms(rests, tested), strict=True)}
 
 
 def beyond_noise(
@@ -156,7 +151,7 @@ def _loudest(c: Criticism) -> np.ndarray:
     in_air = [replace(s, weight=s.weight * _in_the_air(model, s)) for s in sessions]
     seconds = sum(np.count_nonzero(s.weight, axis=1) * s.band.spacing for s in in_air)
     steps = np.max([s.steps for s in sessions], axis=0)
-    rms = _pooled([residual(model, s) for s in sessions], in_air)
+    rms = pooled_rms([residual(model, s) for s in sessions], in_air)
     return np.where(seconds > AIR_S, LOUDER * np.hypot(rms, steps), np.inf)
 
 
@@ -171,10 +166,10 @@ def _fitted(c: Criticism, floor: dict[str, dict[str, Any]]) -> tuple[np.ndarray,
     """RMS residual (C,) N of the fitted sessions, and where that is doubtful, their floor, with every cause fitted to each of them
     alone."""
     sessions = list(c.train)
-    fitted = _pooled([residual(c.extended.model, s) for s in sessions], sessions)
+    fitted = pooled_rms([residual(c.extended.model, s) for s in sessions], sessions)
     if all(rms <= DOUBTED * max(low["rms"], ROUNDING) for rms, low in zip(fitted, floor.values(), strict=True)):
         return fitted, fitted
-    return fitted, _pooled([c.last.left_by_everything(s) for s in sessions], sessions)
+    return fitted, pooled_rms([c.last.left_by_everything(s) for s in sessions], sessions)
 
 
 def _but_for_the_worst(c: Criticism, sessions: list[Session]) -> np.ndarray:
