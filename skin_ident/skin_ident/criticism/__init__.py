@@ -9,11 +9,14 @@ Words that are used throughout:
 
 - *residual*: measured minus simulated, N, in one common frequency band. The *whitened residual* is the residual after the filter of the
   noise model; where it is nothing but noise its samples are uncorrelated and of unit variance.
-- *gain* or *score*: fall of the sum of squared whitened residuals, which is twice the difference of the log-likelihoods. Its unit is
-  written "squared whitened units" or "twice nats". Each further parameter is charged log n for n samples (BIC).
+- *cost*: sum of squared whitened residuals. *gain*: fall of the cost, which is twice the difference of the log-likelihoods. *score*: gain
+  less a charge of log n for each further parameter, with n samples (BIC). The unit of all three is written "squared whitened units" or
+  "twice nats". What a named cause *explains* is its score when it was named (`Named.explained`).
+- *held-out gain* (`gates.gate.Gain`): something else, namely by how much held-out sessions are predicted better: the RMS error of a
+  channel, N, before and after, and the relative fall of the whitened mean square over all channels.
 - *direction*: the change of all simulated channels per unit of one effect, added to the model. The *tangents* are the same for the unknowns
   that the model already has (stiffnesses, dampings, shares of taxels).
-- *survey*: ranking of all causes by their linearised gain. *trial*: one cause fitted jointly with everything else, nonlinearly. *claim*:
+- *survey*: ranking of all causes by their linearised scores. *trial*: one cause fitted jointly with everything else, nonlinearly. *claim*:
   the statement that a model with a cause gains over one without it.
 - *course*: something one session has of its own, as a function of time: a zero, a gain, a delay or a zero of depth that is constant, jumps
   or drifts. *carrier*: the signal that a course multiplies.
@@ -30,9 +33,9 @@ The method, in the order in which `diagnose` runs it:
     as a whole differs from all others (order of its columns, a unit, a sign).
 2.  What is compared. `sessions` passes measured and simulated channels through the same low-pass filter at full rate and then decimates
     them. A depth that was read in coarse steps is first redrawn as a smooth path (`recordings.staircase`). The band ends where steps and
-    noise of the encoder would make up too much of the motion, and at the latest at a fifth of the slowest topic's rate (`sessions.cutoff`).
-    Moments when the plunger may have left the skin are neither compared nor passed through the filter, since the tail of a jump in force is
-    larger than the noise (`sessions.parting`).
+    noise of the encoder would make up too much of the motion (`sessions.cutoff`), and at the latest at 8 Hz or a fifth of the slowest
+    topic's rate (`sessions.band`). Moments when the plunger may have left the skin are neither compared nor passed through the filter,
+    since the tail of a jump in force is larger than the noise (`sessions.parting`).
 3.  `baseline` fits the dispersion model to all training sessions jointly, by output error, or takes the given one. Damping is bounded below
     by zero, but for what a reading late by part of a sample makes of it. Where sessions press at different places, each session has its own
     share for every taxel, refitted under every model that is tried.
@@ -43,7 +46,7 @@ The method, in the order in which `diagnose` runs it:
     last samples and from slower and slower averages; it is correlated between channels and may grow with the load. The fit is done twice,
     starting from white noise and again from the colour found; the result with the shorter description length is kept.
 6.  `search.ranking` projects the model's own unknowns out of whitened residual and directions and computes the gain of each cause, with
-    amplitudes restricted to the signs that physics allows. This is the survey.
+    amplitudes restricted to the signs that physics allows. It ranks the causes by their scores. This is the survey.
 7.  Trials. Each of the best few causes is fitted jointly with the model, nonlinearly: with as many instances of its effect as the data
     determine, and in a finer form where that explains more (`search.growing`, `search.trial`). Special cases:
 

@@ -37,9 +37,9 @@ class Fit:
     count: int
     std_in_shape: dict[str, float] = field(default_factory=dict)
 
-    def gain_over(self, before: "Fit") -> float:
-        """Likelihood gain over another fit in the same noise, less the charge for further unknowns: dV - dk log n, squared whitened units
-        (G. Schwarz, Annals of Statistics 6 (1978) 461-464)."""
+    def score_over(self, before: "Fit") -> float:
+        """Score over another fit in the same noise: the gain, i.e. the fall of the cost V, less the charge for k further unknowns,
+        dV - dk log n, in squared whitened units (G. Schwarz, Annals of Statistics 6 (1978) 461-464)."""
         charge = np.log(self.count) * (len(self.unknowns) - len(before.unknowns))
         return float(before.cost - self.cost - charge)
 

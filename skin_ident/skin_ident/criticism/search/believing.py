@@ -83,7 +83,7 @@ def _stands_beside(search: Search, trial: Trial, other: Trial) -> bool:
     model = other.fit.model
     both = fit(replace(model, effects=(*model.effects, *own)), search.train, search.noise)
     gain = search.gain(model, both.model, trial.key[1])
-    return gain.passed and gain.shows_at(trial.key[1]) and both.gain_over(other.fit) > search.least(both.count) * gain.breadth
+    return gain.passed and gain.shows_at(trial.key[1]) and both.score_over(other.fit) > search.least(both.count) * gain.breadth
 
 
 def believed_in_part(search: Search, trial: Trial, gain: Gain) -> bool:

@@ -152,4 +152,4 @@ def _ahead(search: Search, finding: Named, model: Model) -> Search:
 
 def _explained(present: Fit, without: Search) -> float:
     """What `present` explains beyond the state `without`, measured as a trial's score is."""
-    return present.under(without.noise, without.train).gain_over(without.present)
+    return present.under(without.noise, without.train).score_over(without.present)

@@ -16,7 +16,12 @@ from skin_models.model import Model
 @dataclass(frozen=True)
 class Named:
     """One cause in the extended model, with its evidence, and the models fitted without it (`before`) and with it (`model`) when it was
-    named."""
+    named.
+
+    `gain` is what it gains on held-out data. `explained` is what it explained of the sessions that it was fitted to when it was named, in
+    squared whitened units: its score, or the sum of scores if more of it was named later. For the cause `parameters` it is the gain,
+    without a charge.
+    """
 
     cause: str
     where: str

@@ -199,14 +199,14 @@ def _tried(search: Search, seen: _Seen) -> _Tried | None:
             trial = ahead.tried(survey(search.present.model, ahead.train, own, search.noise).ranked[0])
         else:
             after = fit(trial.fit.model, ahead.train, search.noise)
-            trial = replace(trial, fit=after, score=after.gain_over(search.present), plainer=None)
+            trial = replace(trial, fit=after, score=after.score_over(search.present), plainer=None)
         now = frozenset(s.name for s in search.train if _lacks(search, trial.fit, s, key))
         if now == lacking or not 0 < len(now) < len(search.train):
             break
         lacking = now
     alike = fit(trial.fit.model, _without(search.train, key, ()), search.noise)
     score = trial.score - COIN * len(search.train)
-    if not (0 < len(now) < len(search.train)) or reach(score) <= alike.gain_over(search.present) or not plausible(trial, ahead.train):
+    if not (0 < len(now) < len(search.train)) or reach(score) <= alike.score_over(search.present) or not plausible(trial, ahead.train):
         return None
     ahead.held = _without(search.held, key, [s.name for s in search.held if _lacks(search, trial.fit, s, key)])
     return _Tried(ahead, trial, score)

@@ -41,5 +41,5 @@ def _leads_further(search: Search, first: Trial, best: Trial) -> bool:
         return False
     before, both, several = (fit.under(ahead.noise, ahead.train) for fit in (search.present, following[0].fit, best.fit))
     laws = {type(e) for e in best.fit.model.effects[len(search.present.model.effects) :]}
-    gained = both.gain_over(before)
-    return (gained if len(laws) > 1 else reach(gained)) > several.gain_over(before)
+    gained = both.score_over(before)
+    return (gained if len(laws) > 1 else reach(gained)) > several.score_over(before)

@@ -155,7 +155,7 @@ class Search:
         """One cause as a trial: grown and refitted beside everything else."""
         self.progress(f"trying {r.cause} in the {r.where}")
         fits = grow(self.present, r, self.train, self.which, self.noise)
-        grown, *plainer = (Trial(r, after, after.gain_over(self.present)) for after in fits)
+        grown, *plainer = (Trial(r, after, after.score_over(self.present)) for after in fits)
         return replace(grown, plainer=next(iter(plainer), None))
 
     def own_courses(self) -> list[Run]:
@@ -173,12 +173,12 @@ class Search:
         return sum(s.seconds for s in self.train) >= LASTS_S
 
     def least(self, count: int) -> float:
-        """The likelihood gain below which a cause is not worth naming, for `count` whitened samples. A narrowed band, which holds fewer
+        """The score below which a cause is not worth naming, for `count` whitened samples. A narrowed band, which holds fewer
         samples, does not lower it: slow causes gain as much there, and the noise in it is no less."""
         return MATERIAL_FALL * count * self.train[0].band.narrowed
 
     def form_of_others(self, cause: str, where: str) -> float:
-        """The likelihood gain that imperfect forms of other causes, named in the same sensor, may leave for this one to explain."""
+        """The score that imperfect forms of other causes, named in the same sensor, may leave for this one."""
         if not where.startswith(SENSORS):  # skin and rig have many causes, each in its own right
             return 0.0
         return max((FORM * n.explained for n in self.named if n.where == where and n.cause != cause), default=0.0)

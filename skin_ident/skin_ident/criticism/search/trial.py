@@ -11,8 +11,8 @@ from skin_models.parameter import AMPLITUDE, parameters_of
 
 @dataclass(frozen=True)
 class Trial:
-    """One cause, grown and refitted: `score` is its likelihood gain less the charge for its parameters. `plainer` is the same with the
-    first instance alone, where it has several."""
+    """One cause, grown and refitted: `score` is its gain less the charge for its parameters (`Fit.score_over` the fit without it).
+    `plainer` is the same with the first instance alone, where it has several."""
 
     ranked: Ranked
     fit: Fit

@@ -44,7 +44,7 @@ def with_mass(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | N
     hung = hanging(present.model, free.model)
     if hung:
         free = fit(free.model.extended(*hung), sessions, noise)
-    return free if free.gain_over(present) > _least(free, sessions) else None
+    return free if free.score_over(present) > _least(free, sessions) else None
 
 
 def heaviest_of(present: Model, free: Model) -> float:
@@ -58,7 +58,7 @@ def held_again(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | 
     if not 0.0 < m < np.inf:
         return None
     held = fit(replace(present.model, dispersion=replace(present.model.dispersion, m=m)), weighed(sessions, 0.0), noise)
-    return held if present.gain_over(held) < _least(held, sessions) else None
+    return held if present.score_over(held) < _least(held, sessions) else None
 
 
 def weighs(search: Search, free: Fit, best: float) -> bool:
@@ -82,7 +82,7 @@ def may_be_skin(search: Search, free: Fit) -> bool:
 def tells_more(free: Fit, present: Fit, best: float, may_be: bool = False) -> bool:
     """Whether the `free` mass explains clearly more than the `best` of all causes does (squared whitened units). As much is enough where it
     is lighter than the mass that was set, or `may_be` the skin's."""
-    gained, m = free.gain_over(present), free.model.dispersion.m
+    gained, m = free.score_over(present), free.model.dispersion.m
     if lighter(present.model, free.model) or may_be:
         return gained > reach(best)
     return m > present.model.dispersion.m and reach(gained) > best
@@ -92,13 +92,13 @@ def counts_beside(search: Search, free: Fit, best: float) -> bool:
     """Whether the `free` mass explains enough to matter beside the `best` of all causes, and by itself rather than because the model was
     fitted once more. While newtons are unexplained, millinewtons of weight can wait."""
     again = fit(search.present.model, search.train, search.noise)
-    return free.gain_over(again) > max(COUNTS * best, _least(free, search.train))
+    return free.score_over(again) > max(COUNTS * best, _least(free, search.train))
 
 
 def settles(search: Search, free: Fit, best: float) -> bool:
     """Whether the `free` mass explains more than the `best` of all causes, though not clearly, and leaves nothing worth naming for any of
     them."""
-    if free.gain_over(search.present) <= best:
+    if free.score_over(search.present) <= best:
         return False
     ahead = search.ahead(free)
     ahead.train = weighed(search.train, heaviest_of(search.present.model, free.model))
