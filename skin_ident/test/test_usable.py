@@ -7,6 +7,7 @@ import pytest
 
 from skin_ident.cli.diagnose import apart
 from skin_ident.criticism.errors import DiagnosisError
+from skin_ident.criticism.one_rig import of_one_rig
 from skin_ident.criticism.telemetry.bursts import told_of_bursts
 from skin_ident.criticism.telemetry.dead import find_dead_taxels
 from skin_ident.criticism.telemetry.quantization import find_buried, find_quantization, undeclared_steps
@@ -53,6 +54,44 @@ def test_a_depth_and_a_force_that_are_exchanged_are_asked_about(seed):
     belong_together([sound] * 2)
     exchanged = replace(sound, depth=1e-3 * sound.force, force=1e3 * sound.depth)
     assert "are the columns of depth and force exchanged?" in refused([exchanged] * 2)
+
+
+def test_sessions_of_other_channels_are_told_apart_by_what_they_have():
+    said = refused([presses(0), presses(1, force=None)])
+    assert "session_0: depth, force and 1 taxel; session_1: depth and 1 taxel" in said
+
+
+def declaring(*each: dict) -> list[Recording]:
+    return [presses(i, declared=Declared(**declared)) for i, declared in enumerate(each)]
+
+
+def test_what_one_session_declares_holds_for_all():
+    shared = [r.declared for r in of_one_rig(declaring({"moving_mass_kg": 0.01}, {}, {"force_noise_n": 0.03}))]
+    assert [(d.moving_mass_kg, d.force_noise_n) for d in shared] == [(0.01, 0.03)] * 3
+    places = of_one_rig(declaring({"taxel_positions_mm": ((0.0, 0.0),), "contact_position_mm": {"": (5.0, 0.0)}}, {}))
+    assert places[1].declared.taxel_positions_mm == () and places[1].declared.contact_position_mm == {}
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ({"moving_mass_kg": 0.01}, {"moving_mass_kg": 0.2}),
+        ({"skin_thickness_mm": 4.0}, {"skin_thickness_mm": 6.0}),
+        ({"taxel_positions_mm": ((0.0, 0.0),)}, {"taxel_positions_mm": ((1.0, 0.0),)}),
+    ],
+)
+def test_sessions_of_another_rig_are_refused(one, other):
+    (key,) = one
+    with pytest.raises(DiagnosisError, match=f"declares {key} .* for session_0 and .* for session_2, and a model is of one skin"):
+        of_one_rig(declaring(one, one, other))
+
+
+def test_of_steps_and_noise_that_differ_the_largest_is_expected_and_said():
+    first, second = of_one_rig(declaring({"taxel_noise_n": (0.02,), "force_step_n": 0.1}, {"taxel_noise_n": (0.01,), "force_step_n": 0.2}))
+    assert first.declared == second.declared
+    assert (first.declared.taxel_noise_n, first.declared.force_step_n) == ((0.02,), 0.2)
+    assert [w for w in first.warnings if "taxel_noise_n [0.02] for session_0 and [0.01] for session_1: the largest" in w]
+    assert len(first.warnings) == 2 and not second.warnings
 
 
 def test_what_is_held_out_must_not_have_been_fitted():

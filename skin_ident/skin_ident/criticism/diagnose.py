@@ -30,6 +30,7 @@ from skin_ident.criticism.many import (
     with_rest,
     with_those_of_reading,
 )
+from skin_ident.criticism.one_rig import of_one_rig
 from skin_ident.criticism.record import Inspected, bad_samples, inspect
 from skin_ident.criticism.scan import diagnose_scans
 from skin_ident.criticism.search.criticise import criticise
@@ -93,6 +94,7 @@ def diagnose(
         return diagnose_scans(recordings, hold_out, model, progress)
     every = named_apart([*recordings, *hold_out])
     belong_together(every, model)
+    every = of_one_rig(every)
     are_other_data(recordings, hold_out)
     something_moves(every[: len(recordings)])
     every, odd = put_right([doubted(r) for r in every])

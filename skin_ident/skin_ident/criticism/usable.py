@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from skin_ident.criticism.errors import DiagnosisError
+from skin_ident.criticism.pattern import listed
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.telemetry.more_than_applied import in_newtons
 from skin_ident.criticism.telemetry.still import is_still
@@ -33,14 +34,11 @@ def belong_together(recordings: list, model: Model | None = None) -> None:
     """Raise `DiagnosisError` where sessions do not have the same channels, or lack what a diagnosis needs."""
     kinds = {(r.kind, len(r.taxels), r.force is not None) for r in recordings}
     if len(kinds) > 1:
-        said = "; ".join(f"{r.name}: {r.kind} with {counted(len(r.taxels), 'taxel')}" for r in recordings)
-        raise DiagnosisError(f"the recordings do not have the same channels ({said}): diagnose them separately")
-    thick = sorted({r.declared.skin_thickness_mm for r in recordings if r.declared.skin_thickness_mm})
-    if len(thick) > 1:
-        said = " and ".join(f"{t:g}" for t in thick)
-        raise DiagnosisError(f"the recordings are of skins that are {said} mm thick, and a model is of one skin: diagnose them separately")
+        said = "; ".join(f"{r.name}: {_what_it_has(r)}" for r in recordings)
+        raise DiagnosisError(f"the recordings do not have the same channels ({said}): diagnose them apart, or leave out what some lack")
     if model is not None and len(model.shares) != len(recordings[0].taxels):
-        raise DiagnosisError(f"the model has {counted(len(model.shares), 'taxel')}, the recordings have {len(recordings[0].taxels)}")
+        said = f"the model has {counted(len(model.shares), 'taxel')}, the recordings have {len(recordings[0].taxels)}"
+        raise DiagnosisError(f"{said}: name those of the model with --taxels, or give the model of this array")
     lasts = recordings[0].t[-1] - recordings[0].t[0] + 1.5 * recordings[0].dt  # N samples are N periods, and stamps jitter
     if len(recordings) == 1 and lasts < LONE_S:
         raise DiagnosisError(f"{recordings[0].name} is alone and lasts {lasts:.3g} s: give {LONE_S:g} s or more, or a second session")
@@ -53,6 +51,12 @@ def belong_together(recordings: list, model: Model | None = None) -> None:
         _touches(r)
         _has_its_zero_at_the_surface(r)
         _are_not_exchanged(r)
+
+
+def _what_it_has(r) -> str:
+    """The channels of a recording, in words."""
+    taxels = counted(len(r.taxels), "taxel") if len(r.taxels) else ""
+    return listed([*filter(None, ("depth" * (r.depth is not None), "force" * (r.force is not None), taxels))])
 
 
 def are_other_data(recordings: list, hold_out: list) -> None:

@@ -93,14 +93,19 @@ def steps_do(claim: Claim, noise: Whitener | None, encoder_step: float) -> NotNa
 def stage_does(run: Run, encoder_step: float) -> NotNamed:
     """Why a course is no finding that is smaller than what a good stage or clock does, or than what an encoder reads."""
     if run.course.carrier == DEPTH:
-        return zeros_do(run.largest, encoder_step)
+        return _zero_of_depth(f"within single sessions the zero of depth would step by {_micrometres(run.largest)}", encoder_step)
     found, least = (f"{1e3 * x:.3g} ms" for x in (run.largest, run.least(encoder_step)))
     return _usual(f"within single sessions the delay would step by {found}, but good hardware steps by up to {least} by itself")
 
 
 def zeros_do(largest: float, encoder_step: float) -> NotNamed:
     """Why zeros of depth of sessions' own, the `largest` of them in m, are no finding: stage or encoder do as much."""
-    why, least = f"within single sessions the zero of depth would step by {_micrometres(largest)}", _micrometres(least_depth(encoder_step))
+    return _zero_of_depth(f"the zeros of depth of single sessions are off by up to {_micrometres(largest)}", encoder_step)
+
+
+def _zero_of_depth(why: str, encoder_step: float) -> NotNamed:
+    """Why a zero of depth is no finding, as `why` says how large it is."""
+    least = _micrometres(least_depth(encoder_step))
     if encoder_step >= AT_REST:
         return _usual(f"{why}, but the encoder reads no finer than {least}", FINER, own_zero=True)
     return _usual(f"{why}, but good hardware steps by up to {least} by itself", own_zero=True)

@@ -181,8 +181,9 @@ def _but_for_the_worst(c: Criticism, sessions: list[Session]) -> np.ndarray:
 
 def _resolution(c: Criticism, i: int, channel: str, encoder_step: float) -> float:
     """What steps of converter and encoder may leave open in a channel, N."""
-    unread = unread_force(c.extended.model, channel, list(c.held or c.train), encoder_step)
-    return float(np.hypot(RESOLVED * c.train[0].steps[i], np.sqrt(AT_FEW_DEPTHS) * unread))
+    tested = list(c.held or c.train)
+    unread = unread_force(c.extended.model, channel, tested, encoder_step)
+    return float(np.hypot(RESOLVED * max(s.steps[i] for s in tested), np.sqrt(AT_FEW_DEPTHS) * unread))
 
 
 def _rms(e: np.ndarray) -> float:
