@@ -1,9 +1,10 @@
-"""Hysteresis: a loop that does not depend on rate, with memory of the turning points. Four forms:
+"""Hysteresis: a loop that does not depend on rate, with memory of the turning points. Five forms:
 
     skin, Prandtl-Ishlinskii   f = k E_r[x]        one elastic-plastic element: stiffness k until it yields at r (several add up)
     skin, Bouc-Wen             f = k z,  z' = v - |v| z / r        the same with a gradual yield (n = 1, beta = 1, gamma = 0: Dahl's model)
     skin, lagging              f = -k E_r[x]       a loop the other way round: the force is less on the way in than on the way out
     taxel, load cell           y' = y - a E_r[y]        the reading lags behind at every reversal: higher on the way down for a > 0
+    taxel, load cell, closing  y' = y (1 - a E_r[y] / r)     the same in proportion to the load: the loop closes where there is none
 
 E_r is the stop operator of `skin_models.operators.play`, exact for any path that is monotone between samples. Bouc-Wen is stepped exactly
 for such a path too: z[n] = e z[n-1] + sign(dx) r (1 - e), e = exp(-|dx| / r). These two dissipate: no closed path returns energy. The
@@ -139,12 +140,30 @@ class SensorHysteresis(Dynamic):
         return None
 
     def step(self, state, y, s: Sample, dt: float):
-        """y - a (y - P)."""
+        """y - a (y - P), or the same in proportion to y."""
         mine = self.mine(y)
         state = play_step(state, mine, self.threshold)
-        return state, self.put_back(y, mine - self.relative * (mine - state))
+        return state, self.put_back(y, self._turned(mine, mine - state))
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """y - a times the stop operator over the whole recording."""
         mine = self.mine(y)
-        return self.put_back(y, mine - self.relative * stop(mine, self.threshold))
+        return self.put_back(y, self._turned(mine, stop(mine, self.threshold)))
+
+    def _turned(self, mine, stretched):
+        """The reading of one sensor beside the stop operator of its load."""
+        return mine - self.relative * stretched
+
+
+@dataclass(frozen=True)
+class ClosingHysteresis(SensorHysteresis):
+    """A loop in proportion to the load: way in and way out meet at zero, as in data sheets of resistive sensors."""
+
+    form: ClassVar[str] = "closing"
+    source: ClassVar[str] = "generalised Prandtl-Ishlinskii, envelope in proportion to the load; Kuhnen 2003"
+
+    relative: float = quantity("1", 0.0, lower=-1.0, upper=1.0, typical=0.05, doc="half height a of the loop, as a share of the reading")
+
+    def _turned(self, mine, stretched):
+        """The reading of one sensor beside the stop operator of its load."""
+        return mine * (1.0 - self.relative * stretched / self.threshold)
