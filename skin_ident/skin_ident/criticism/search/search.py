@@ -20,7 +20,7 @@ from skin_ident.criticism.search.several import single_before_several
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import Survey
 from skin_ident.criticism.search.tared import beside_zeros, settle_zeros, take_tare, take_zeros
-from skin_ident.criticism.search.together import two_at_once
+from skin_ident.criticism.search.together import take_pair, two_at_once
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.search.unstuck import unstuck
 from skin_ident.criticism.search.wandering import take_wave
@@ -118,8 +118,7 @@ def _believing_none(search: Search, look: _Look) -> bool:
     pair = () if search.named or search.stage or by_hardware else two_at_once(search, look.trials, look.runs)
     if pair:
         search.end_round(look.survey, pair[0][1].cause)
-        for after, finding in pair:
-            search.accept(after, finding)
+        take_pair(search, pair)
         return True
     if take_wave(search):
         search.end_round(look.survey, search.named[-1].cause)

@@ -1,8 +1,8 @@
 """Two causes that hide each other: a worn nut that takes load away where a stiffening skin adds it.
 
 Neither predicts held-out data alone, because the fit bends it to stand for the other as well. So where no single cause is believed, each of
-the best is taken for granted in turn, and the search looks one step further: is a second cause believed beside it, and is the first one
-then believed beside the second?
+the best is taken for granted in turn, and the search looks one step further: is a second cause believed beside it, or a course that each
+session has of its own, and is the first one then believed beside the second?
 """
 
 from dataclasses import replace
@@ -13,8 +13,10 @@ from skin_ident.criticism.gates.claim import Claim
 from skin_ident.criticism.gates.gate import MATERIAL_FALL, MUCH_FALL, Gain
 from skin_ident.criticism.gates.resolution import resolved
 from skin_ident.criticism.search.believing import first_believed
+from skin_ident.criticism.search.choosing import choose
 from skin_ident.criticism.search.hardware import encoder_does
 from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.own import take_course
 from skin_ident.criticism.search.rivals import Rival, reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.trial import Trial, sized
@@ -24,12 +26,13 @@ from skin_models.model import Model
 FILTERS = ("time_shift", "lag", "mount_compliance", "rate_dependence")  # causes of which two together smooth the steps of the depth
 ASKED = 3  # causes that are taken for granted in turn
 
-Pair = tuple[tuple[Fit, Named], tuple[Fit, Named]]
+Pair = tuple[tuple[Fit, Named], tuple[Fit | Run, Named]]
 
 
 def two_at_once(search: Search, trials: list[Trial], runs: list[Run]) -> Pair | tuple[()]:
-    """The two findings that explain most together, the first one with its fit alone; `search` is the state of `criticise`. Empty where the
-    record is short, where courses explain more than the causes, or where no two causes are believed beside each other."""
+    """The two findings that explain most together, the first one with its fit alone, the second with its fit beside the first, or as a
+    course; `search` is the state of `criticise`. Empty where the record is short, where courses explain more than the causes, or where no
+    two causes are believed beside each other."""
     promising = [t.forms[-1] for t in trials[:ASKED] if t.score > MATERIAL_FALL * t.fit.count and sized(t.forms[-1])]
     if not promising or not search.lasts or (runs and runs[0].score > promising[0].score):
         return ()
@@ -53,22 +56,50 @@ def _explained(pair: Pair) -> float:
     return sum(finding.explained for _, finding in pair)
 
 
+def take_pair(search: Search, pair: Pair) -> None:
+    """Name both."""
+    for found, finding in pair:
+        if isinstance(found, Run):
+            take_course(search, found, finding)
+        else:
+            search.accept(found, finding)
+
+
 def _beside(search: Search, first: Trial) -> Pair | None:
-    """`first` and the cause that is believed beside it, if `first` is believed beside that one, and both together are."""
+    """`first` and the course or cause that is believed beside it, if `first` is believed beside that one."""
     ahead = search.ahead(first.fit)
-    second = first_believed(ahead, ahead.trials(ahead.look()), [])
-    if second is None or second[1].key == first.key:
+    trials, runs = ahead.trials(ahead.look()), ahead.own_courses()
+    own, shared = choose(ahead, trials, runs)
+    pair = _with_course(ahead, first, *own) if own else None
+    return pair or _with_cause(search, ahead, first, shared or first_believed(ahead, trials, []))
+
+
+def _with_course(ahead: Search, first: Trial, run: Run, finding: Named) -> Pair | None:
+    if not _may_hide(first.key, finding.key):
         return None
-    keys = first.key, second[1].key
-    if all(cause in FILTERS for cause, _ in keys):
+    beside_it = ahead.ahead(first.fit)
+    take_course(beside_it, run, finding)
+    return _with(beside_it, first, beside_it.present.model, (run, finding))
+
+
+def _with_cause(search: Search, ahead: Search, first: Trial, second: tuple[Fit, Named] | None) -> Pair | None:
+    """Both, if they are believed together, too."""
+    if second is None or not _may_hide(first.key, second[1].key):
         return None
     after = second[0].model
-    without, gain = beside(ahead, first.key, after)
     both = search.gain(search.present.model, after, "skin")
-    if not (gain and both.passed and _no_steps(search, after, both, keys)):
-        return None
-    finding = Named(*first.key, gain, first.score, (), without, after)
-    return (first.fit, finding), second
+    return _with(ahead, first, after, second) if both.passed and _no_steps(search, after, both, (first.key, second[1].key)) else None
+
+
+def _may_hide(one: Key, other: Key) -> bool:
+    """Whether two causes may be taken for granted beside each other: not if together they do no more than smooth the steps of the depth."""
+    return one != other and not all(cause in FILTERS for cause, _ in (one, other))
+
+
+def _with(ahead: Search, first: Trial, after: Model, second: tuple[Fit | Run, Named]) -> Pair | None:
+    """Both, if `first` is believed beside the `second`, in the model `after`."""
+    without, gain = beside(ahead, first.key, after)
+    return ((first.fit, Named(*first.key, gain, first.score, (), without, after)), second) if gain else None
 
 
 def beside(ahead: Search, key: Key, after: Model) -> tuple[Model, Gain | None]:
