@@ -11,10 +11,11 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from reliability_counts import BY, DOC, HIDDEN, NOTHING, WORDS, Pool, Row, interval, pool, pools, read
+from reliability_counts import DOC, HIDDEN, NOTHING, WORDS, Pool, Row, interval, latest, pool, pools, read
 
 from skin_ident.criticism.vocabulary import BY_NAME
 
+LAST = 4  # strangers' worlds that stand for the present code
 MARK = re.compile(r"(<!-- table: (.+?) -->\n).*?(<!-- end of table -->)", re.S)
 
 
@@ -90,12 +91,16 @@ def verdict(k: int, n: int, target: float, at_most: bool) -> str:
 
 
 def targets(rows: list[Row]) -> str:
-    """What the project had set itself, and what came of it."""
+    """What the project had set itself, and what came of it: in all, and in the strangers' worlds that were counted last."""
+    last = latest(rows, LAST)
 
     def line(question: str, kind: str, of, target: float | None, at_most: bool = False) -> tuple[str, ...]:
         cells = []
-        for own in BY:
-            k, n = of(pool(rows, kind, own))
+        for p in (pool(rows, kind, own=True), pool(rows, kind, own=False), pool(last, kind)):
+            k, n = of(p)
+            if not n:
+                cells.append("none counted")
+                continue
             cells.append(f"{k} of {n}, {share(k, n)}" + (f": {verdict(k, n, target, at_most)}" if target else ""))
         said = "" if target is None else f"at {'most' if at_most else 'least'} {100 * target:.0f} %"
         return question, said, *cells
@@ -112,7 +117,9 @@ def targets(rows: list[Row]) -> str:
         line("the same: both have a right answer", "pair", lambda p: p.told_of("both_answered"), None),
         line("two effects: extra names, per record", "pair", lambda p: (p.extra, p.records), 0.05, at_most=True),
     ]
-    return table(("question", "target", "our own world", "strangers' worlds, first run"), body)
+    names = list(dict.fromkeys(r.text["world"] for r in last))
+    head = ("question", "target", "our own world", "strangers' worlds, first run", f"the last of these, {names[0]} to {names[-1]}")
+    return table(head, body)
 
 
 def causes() -> str:

@@ -112,6 +112,13 @@ def pool(rows: Iterable[Row], kind: str, own: bool | None = None, words: tuple[s
     return Pool([r for r in rows if r.text["kind"] == kind and r.text["pooled"] in words and own in (None, r.own)])
 
 
+def latest(rows: Iterable[Row], worlds: int) -> list[Row]:
+    """Return the rows of the strangers' worlds that were counted last, so many worlds."""
+    counted = [r for r in rows if not r.own and r.text["pooled"] == "yes"]
+    names = list(dict.fromkeys(r.text["world"] for r in counted))[-worlds:]
+    return [r for r in counted if r.text["world"] in names]
+
+
 def interval(k: int, n: int) -> tuple[float, float]:
     """Clopper and Pearson's 95 % interval of a share."""
     return (float(beta.ppf(0.025, k, n - k + 1)) if k else 0.0, float(beta.ppf(0.975, k + 1, n - k)) if k < n else 1.0)
