@@ -11,6 +11,7 @@ from skin_ident.criticism.search.driving import with_load_cell
 from skin_ident.criticism.search.exchange import exchange
 from skin_ident.criticism.search.given_numbers import check_numbers
 from skin_ident.criticism.search.named import Criticism
+from skin_ident.criticism.search.own import drop_alone
 from skin_ident.criticism.search.own_skin import settle_skin, tell_of_skin
 from skin_ident.criticism.search.proposals import Direction, directions
 from skin_ident.criticism.search.search import eliminate, run
@@ -110,6 +111,7 @@ def _name_all(search: Search) -> None:
     run(search, search.baseline)
     while len(search.rounds) < search.most and exchange(search):
         run(search, search.present)
+    drop_alone(search)
     if eliminate(search) and _resumed(search):
         eliminate(search)
 

@@ -158,10 +158,27 @@ def _gain_alone(search: Search, run: Run) -> Gain | None:
 
 def _name_alone(search: Search, run: Run, gain: Gain, runs: list[Run]) -> None:
     search.runs.append(run)
-    search.held, search.alone = added(search.held, run.values), True
+    search.held, search.alone = added(search.held, run.values), run
     rivals = own_rivals(runs, run.score, {run.course.key})
     search.named.append(Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said))
     search.progress(f"named {run.course.cause} in the {run.course.where}, in what was held out alone")
+
+
+def drop_alone(search: Search) -> bool:
+    """Take out what was named in held-out sessions alone if, beside the causes that were named after it, it would not be named any more.
+    Return whether it was taken out."""
+    run = search.alone
+    if run is None or all(n.courses for n in search.named):
+        return False
+    without = search.ahead(search.present)
+    without.held = added(search.held, {name: -values for name, values in run.values.items()})
+    without.runs = [r for r in search.runs if r is not run]
+    without.named = [n for n in search.named if n.courses is not run.said]
+    again = next((r for r in courses_alone(without) if r.course == run.course), None)
+    if again and _gain_alone(without, again):
+        return False
+    search.held, search.runs, search.named, search.alone = without.held, without.runs, without.named, None
+    return True
 
 
 def _in_their_noise(search: Search, run: Run) -> float:

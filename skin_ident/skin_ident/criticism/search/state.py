@@ -83,7 +83,7 @@ class Search:
     put_out: set[Key] = field(default_factory=set)  # findings that another replaced: they do not come back in its place
     dropped: set[Key] = field(default_factory=set)  # causes without which the rest predicted as well: what they explained is left to others
     doubting: bool = False  # held-out sessions alone decide, because a cause was taken for granted
-    alone: bool = False  # something that is wrong in held-out sessions alone was found
+    alone: Run | None = None  # what was found to be wrong in held-out sessions alone
     own_skin: bool = False  # the skin may differ from session to session
     zeroed: int | None = None  # number of findings beside which zeros as good hardware leaves them were last asked for; None: none taken
     zeros_of_held: dict[str, np.ndarray] = field(default_factory=dict)  # what these add to held-out sessions, (C, N) N by session
@@ -184,8 +184,11 @@ class Search:
         return max((FORM * n.explained for n in self.named if n.where == where and n.cause != cause), default=0.0)
 
     def fallen(self, channel: str) -> float:
-        """The largest fall of the mean square, N^2, by a named cause that a channel carries."""
-        return max((n.gain.squares for n in self.named if channel in n.gain.carried), default=0.0)
+        """The largest fall of the mean square, N^2, by a named cause that a channel carries. What held-out sessions alone have does not
+        count: where training shows a cause, too, that cause is no shadow of it."""
+        fitted = {s.name for s in self.train}
+        shared = [n for n in self.named if not n.courses or fitted & set(n.courses)]
+        return max((n.gain.squares for n in shared if channel in n.gain.carried), default=0.0)
 
     def shadows(self, gain: Gain) -> bool:
         """Whether a named cause explains so much more that this gain may be due to its imperfect form."""
