@@ -52,6 +52,7 @@ class Run:
         self.started: int | None = None
         self.done = self.whole = 0.0  # s of motion: finished stages, and the whole goal
         self.fed_back = 0.0
+        self.looked = time.monotonic()
 
     def result(self) -> Result:
         """Execute the goal and say how it went."""
@@ -63,7 +64,8 @@ class Run:
             return self.summary(Result.INVALID_PROFILE, str(error))
         except Ended as end:
             self.come_to_rest(end.code)
-            return self.summary(end.code, str(end))
+            why = self.watch.cause_of(end)
+            return self.summary(why.code, str(why))
         except Exception as error:  # whatever it is: the plunger must not go on, and the client must hear of it
             traceback.print_exc()
             self.come_to_rest(Result.CANCELLED)
@@ -189,13 +191,13 @@ class Run:
         return True
 
     def wait(self) -> None:
-        """Wait for news of the driver, for `_LOOK` at most. If this process itself was held up, it first receives what came meanwhile, so
-        that it does not call the driver silent."""
-        begin = time.monotonic()
+        """Wait for news of the driver, for `_LOOK` at most. If this process itself was held up since the last look, it first receives what
+        came meanwhile, so that it does not call the driver silent."""
         self.link.news.wait(_LOOK)
-        if time.monotonic() - begin > _HELD_UP:
+        if time.monotonic() - self.looked > _HELD_UP:
             time.sleep(_CATCH_UP)
         self.link.news.clear()
+        self.looked = time.monotonic()
 
     def come_to_rest(self, code: int) -> None:
         """Brake, then retract or hold. A driver that has stopped sees to that itself; where nothing of ours moves nothing is done."""

@@ -103,10 +103,21 @@ class Watch:
         """Whether the driver still reports and has not stopped."""
         return self.link.state.state != DriverState.STOPPED and not self.link.silent(2.0 * self.settings.feedback_timeout)
 
+    def cause_of(self, end: Ended) -> Ended:
+        """What really ended the goal: a stage does not follow a driver that has stopped, whose word may come later than its samples."""
+        may_be_its_stop = end.code in (Result.DEPTH_ERROR, Result.NO_FEEDBACK) and self.link.state is not None
+        return (self._stop() if may_be_its_stop else None) or end
+
+    def _stop(self) -> Ended | None:
+        state = self.link.state
+        if state.state != DriverState.STOPPED:
+            return None
+        return Ended(Result.DRIVER_FAULT, f"the driver has stopped: {state.reason or 'it gives no reason'}; call its service reset")
+
     def _driver(self) -> None:
         state = self.link.state
-        if state.state == DriverState.STOPPED:
-            raise Ended(Result.DRIVER_FAULT, f"the driver has stopped: {state.reason or 'it gives no reason'}; call its service reset")
+        if stop := self._stop():
+            raise stop
         if state.state == DriverState.INACTIVE:
             raise Ended(Result.DRIVER_FAULT, "the driver is not active: activate it")
 
