@@ -1,7 +1,6 @@
 """A loop of a sensor whose way in and way out meet at zero, as in its data sheet: it is the sensor's, and nothing of the skin's beside it.
 
-The loop is written out here in proportions of the load (a reversal counts by how many times the load changes); the model that is fitted
-knows only reversals in newtons.
+The loop is written out here with reversals in newtons; in the model that is fitted a reversal counts by how many times the load changes.
 """
 
 import numpy as np
@@ -12,15 +11,14 @@ from test_sound_records import branches, noise, presses
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.recordings.recording import Recording
 
-WIDTH, LIGHT = 0.8, 0.08  # ratio (natural logarithm) of loads on the way from one branch to the other; share of the peak that is light
+TURNED = 0.12  # share of the peak that the load changes on the way from one branch to the other
 
 
 def between_branches(load: np.ndarray) -> np.ndarray:
     """Place z (N,) between the branch of the way in (1) and that of the way out (-1)."""
-    way = np.log(np.maximum(load, 0.0) + LIGHT * load.max()) / WIDTH
     z = [0.0]
-    for step in np.diff(way):
-        z.append(float(np.clip(z[-1] + 2.0 * step, -1.0, 1.0)))
+    for step in np.diff(load) / (0.5 * TURNED * load.max()):
+        z.append(z[-1] + step * (1.0 - z[-1] * np.sign(step)) if abs(step) < 1.0 else float(np.sign(step)))  # gradual, as Dahl's
     return np.array(z)
 
 
