@@ -1,10 +1,9 @@
-"""Hysteresis: a loop that does not depend on rate, with memory of the turning points. Five forms:
+"""Hysteresis: a loop that does not depend on rate, with memory of the turning points. Four forms:
 
     skin, Prandtl-Ishlinskii   f = k E_r[x]        one elastic-plastic element: stiffness k until it yields at r (several add up)
     skin, Bouc-Wen             f = k z,  z' = v - |v| z / r        the same with a gradual yield (n = 1, beta = 1, gamma = 0: Dahl's model)
     skin, lagging              f = -k E_r[x]       a loop the other way round: the force is less on the way in than on the way out
     taxel, load cell           y' = y - a E_r[y]        the reading lags behind at every reversal: higher on the way down for a > 0
-    taxel, load cell, closing  y' = y (1 - a E_w[u] / w), u = log(y + 1 mN)   in proportion to the load: it closes where there is none
 
 E_r is the stop operator of `skin_models.operators.play`, exact for any path that is monotone between samples. Bouc-Wen is stepped exactly
 for such a path too: z[n] = e z[n-1] + sign(dx) r (1 - e), e = exp(-|dx| / r). These two dissipate: no closed path returns energy. The
@@ -27,7 +26,6 @@ from skin_models.operators.scan import running_affine
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
-TOUCH = 1e-3  # N, load that counts as none: every touch begins on the branch of the way in
 DEPTHS = (0.02e-3, 0.05e-3, 0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3, 1.5e-3)  # m
 
 
@@ -150,49 +148,3 @@ class SensorHysteresis(Dynamic):
         """y - a times the stop operator over the whole recording."""
         mine = self.mine(y)
         return self.put_back(y, mine - self.relative * stop(mine, self.threshold))
-
-
-@dataclass(frozen=True)
-class ClosingHysteresis(Dynamic):
-    """A loop in proportion to the load: way in and way out meet at zero, as in data sheets of resistive sensors."""
-
-    cause: ClassVar[str] = "hysteresis"
-    form: ClassVar[str] = "closing"
-    places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
-    source: ClassVar[str] = "generalised Prandtl-Ishlinskii, of the logarithm of the load; Kuhnen 2003"
-    linear: ClassVar[bool] = True
-
-    relative: float = quantity("1", 0.0, lower=-1.0, upper=1.0, typical=0.05, doc="half height a of the loop, as a share of the reading")
-    turn: float = quantity(
-        "1",
-        0.3,
-        lower=0.01,
-        upper=1.5,
-        role=SHAPE,
-        typical=0.3,
-        scan=(0.1, 0.3, 1.0),
-        doc="from branch to branch the load changes by a factor of exp(2 w)",
-    )
-
-    def initial(self, rng=None) -> None:
-        """None: the first sample is taken as rest. From then on the state is the play P of the logarithm."""
-        return None
-
-    def step(self, state, y, s: Sample, dt: float):
-        """y (1 - a (u - P) / w), u = log(y + 1 mN)."""
-        mine = self.mine(y)
-        path = self._path(mine)
-        state = play_step(state, path, self.turn)
-        return state, self.put_back(y, self._turned(mine, path - state))
-
-    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
-        """The same with the stop operator over the whole recording."""
-        mine = self.mine(y)
-        return self.put_back(y, self._turned(mine, stop(self._path(mine), self.turn)))
-
-    @staticmethod
-    def _path(mine):
-        return np.log(np.maximum(mine, 0.0) + TOUCH)
-
-    def _turned(self, mine, stretched):
-        return mine * (1.0 - self.relative * stretched / self.turn)
