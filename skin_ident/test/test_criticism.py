@@ -26,7 +26,7 @@ FOUND = [
     ("hysteresis", "skin", "bouc_wen"),
     ("position_offset", "rig", "constant"),
     ("position_offset", "rig", "warming"),
-    ("force_offset", "load_cell", "constant"),  # that of the taxel is within one step of its converter, where a tare may leave it
+    ("force_offset", "taxel_0", "constant"),
     ("lag", "taxel_0", "two_pole"),
     ("backlash", "rig", "zeroed"),
 ]
