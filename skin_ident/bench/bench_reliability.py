@@ -117,8 +117,8 @@ def targets(rows: list[Row]) -> str:
         line("the same: both have a right answer", "pair", lambda p: p.told_of("both_answered"), None),
         line("two effects: extra names, per record", "pair", lambda p: (p.extra, p.records), 0.05, at_most=True),
     ]
-    names = list(dict.fromkeys(r.text["world"] for r in last))
-    head = ("question", "target", "our own world", "strangers' worlds, first run", f"the last of these, {names[0]} to {names[-1]}")
+    span = f"{last[0].text['world']} to {last[-1].text['world']}"
+    head = ("question", "target", "our own world", "strangers' worlds, first run", f"the last of these, {span}")
     return table(head, body)
 
 

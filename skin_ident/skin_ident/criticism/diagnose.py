@@ -1,6 +1,6 @@
 """The diagnosis of recordings: from loaded sessions to findings, an extended model and the curves for the report."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -57,7 +57,15 @@ from skin_ident.criticism.telling.leftover import systematic_rest
 from skin_ident.criticism.telling.outcome import Outcome, Round, Trace
 from skin_ident.criticism.telling.telling import samples_compared, tell
 from skin_ident.criticism.telling.untold import with_dead_untold
-from skin_ident.criticism.usable import are_other_data, belong_together, doubted, in_sound_units, named_apart, something_moves
+from skin_ident.criticism.usable import (
+    are_other_data,
+    belong_together,
+    doubted,
+    in_sound_units,
+    named_apart,
+    something_moves,
+    warned_first,
+)
 from skin_ident.criticism.vocabulary import Key, verdict_of
 from skin_ident.recordings.mass import KnownMass, known_mass
 from skin_ident.separating.choose import separating_experiments
@@ -146,7 +154,7 @@ class _Part:
 def _part(every: list, looked: Inspected, known: _Known, model: Model | None, progress: Progress) -> _Part:
     """Search and judgement on sessions that were already inspected (`looked`). `model` is the given model, or the surrogate of twins."""
     mass, layout = known.mass.kg, known.layout
-    every = every if isinstance(layout, str) else _warned_first(every, unplaced(every))
+    every = every if isinstance(layout, str) else warned_first(every, unplaced(every))
     train, held = known.split(looked.sessions)
     step = depth_resolution(every)
     declared = every[0].declared.moving_mass_kg is not None
@@ -154,7 +162,7 @@ def _part(every: list, looked: Inspected, known: _Known, model: Model | None, pr
     c = _with_the_dead(c, looked)
     if c.train[0].free_mass:
         looked = looked.weighed(c.train[0].heaviest)
-        every = _warned_first(every, mass_warnings(c.extended.model.dispersion.m, mass, declared))
+        every = warned_first(every, mass_warnings(c.extended.model.dispersion.m, mass, declared))
     progress("testing whether a pattern is left")
     after = _with_courses(looked.sessions, c)
     seen = (*_in_the_rest(c, every, after, looked.symptoms), *find_pull(c.extended.model, after))
@@ -181,12 +189,6 @@ def _with_the_dead(c: Criticism, looked: Inspected) -> Criticism:
     fits = {which: getattr(c, which) for which in ("baseline", "extended")}
     alive = {which: replace(f, model=with_living_shares(f.model, looked.whole, looked.given_up)) for which, f in fits.items()}
     return replace(c, **alive)
-
-
-def _warned_first(recordings: list, warnings: Iterable[str]) -> list:
-    """The recordings, with warnings that concern all of them attached to the first."""
-    first, *others = recordings
-    return [first.warned(*warnings), *others]
 
 
 def _of_twins(every: list, twins: list, known: _Known, progress: Progress) -> _Part:

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from skin_ident.criticism.errors import DiagnosisError
+from skin_ident.criticism.usable import warned_first
 from skin_ident.recordings.declared import FILE_NAME
 
 OF_THE_RIG = ("skin_thickness_mm", "moving_mass_kg", "spread_width_mm", "taxel_positions_mm")
@@ -30,8 +31,7 @@ def of_one_rig(recordings: list) -> list:
             warnings.append(f"{differs}: the largest is expected in every session")
         if said_of and key != PLACED:
             common[key] = _largest([*said_of])
-    first, *others = [replace(r, declared=replace(r.declared, **common)) for r in recordings]
-    return [first.warned(*warnings), *others]
+    return warned_first([replace(r, declared=replace(r.declared, **common)) for r in recordings], warnings)
 
 
 def _values(recordings: list, key: str) -> dict:

@@ -4,6 +4,7 @@ If one of these is missing, the diagnosis would name causes that are not there: 
 stage's own coordinates makes any skin seem to flow. Such recordings are refused with one sentence that says what to do.
 """
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -135,6 +136,12 @@ def named_apart(recordings: list) -> list:
     while len(set(names)) < len(names):
         names = [name if names.count(name) == 1 else f"{name} ({i + 1})" for i, name in enumerate(names)]
     return [r if name == r.name else replace(r, name=name) for r, name in zip(recordings, names, strict=True)]
+
+
+def warned_first(recordings: list, warnings: Iterable[str]) -> list:
+    """The recordings, with warnings that concern all of them attached to the first."""
+    first, *others = recordings
+    return [first.warned(*warnings), *others]
 
 
 def doubted(r):
