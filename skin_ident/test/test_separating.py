@@ -46,7 +46,7 @@ class Pair:
 PAIRS = {
     "memory": Pair({("hysteresis", "skin"): {"threshold": 4e-4}, ("stress_relaxation", "skin"): {}}, TRIANGLES, 0.0),
     "zero": Pair({("force_offset", "load_cell"): {"offset": 0.1}, ("position_offset", "rig"): {"offset": 1.5e-5}}, RAMPS, 2.0),
-    "delay": Pair({("lag", "load_cell"): {}, ("time_shift", "clock"): {"skew": 0.0}}, SINE, 2.0),
+    "delay": Pair({("lag", "load_cell"): {}, ("time_shift", "clock"): {}}, SINE, 2.0),
 }
 CASES = [(name, truth) for name, pair in PAIRS.items() for truth in pair.rivals]
 

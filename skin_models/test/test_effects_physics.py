@@ -27,7 +27,7 @@ from skin_models.effects.quantization import SensorQuantization
 from skin_models.effects.rate_dependence import OneSidedDamping
 from skin_models.effects.springpot_relaxation import SpringpotRelaxation
 from skin_models.effects.stress_relaxation import StressRelaxation
-from skin_models.effects.time_shift import Scanning, TimeShift
+from skin_models.effects.time_shift import Scanning, SkewedClock, TimeShift
 from skin_models.operators.elapsed import Elapsed
 from skin_models.operators.play import play
 from skin_models.signals import Motion, motion
@@ -228,9 +228,9 @@ def test_creep_goes_on_under_load_and_comes_back_without():
 def test_a_delay_and_a_skew_shift_a_line_exactly():
     t = np.arange(0.0, 20.0, 0.01)
     s, line = at_times(np.zeros(t.size), 0.01), np.array([5.0 * t, -t])
-    late = TimeShift(where="clock_taxels", delay=0.0334, skew=1000.0).batch(line, s)
+    late = SkewedClock(where="clock_taxels", skew=1000.0).batch(TimeShift(where="clock_taxels", delay=0.0334).batch(line, s), s)
     assert late[:, 10:] == pytest.approx(np.array([[5.0], [-1.0]]) * (t - 0.0334 - 1e-3 * t)[10:])
-    early = TimeShift(where="clock_taxels", delay=-0.0334, skew=0.0).batch(line, s)
+    early = TimeShift(where="clock_taxels", delay=-0.0334).batch(line, s)
     assert early[0, :-10] == pytest.approx(5.0 * (t + 0.0334)[:-10])
 
 
@@ -245,7 +245,7 @@ def test_taxels_that_are_read_in_turn_are_each_later_than_the_one_before(per_tax
 
 
 def test_a_running_simulation_passes_an_early_channel_on():
-    e, s = TimeShift(where="clock", delay=-0.03, skew=0.0), at_times(np.zeros(5))
+    e, s = TimeShift(where="clock", delay=-0.03), at_times(np.zeros(5))
     state = e.initial()
     for i in range(5):
         state, y = e.step(state, float(i), s[i], s.dt)

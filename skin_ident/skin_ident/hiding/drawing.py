@@ -11,7 +11,6 @@ from skin_models.effect import Effect
 from skin_models.parameter import AMPLITUDE, Parameter, parameters_of
 
 ANYTHING = "any"
-APART = {"time_shift": ("delay", "skew")}  # amplitudes of which only one is hidden at a time
 ARRAY = ("crosstalk",)  # causes that need more than one taxel
 POSSIBLE = {  # physically possible ranges, where the bounds for fits are wider
     ("crosstalk", "share"): (0.0, 0.5),  # a leak adds to the neighbour, and at least half of the force stays where it is
@@ -66,10 +65,6 @@ def _drawn(cls: type[Effect], place: str, session: Session, rng: np.random.Gener
     effect = cls.typical(place, **shapes[rng.integers(len(shapes))])
     if cls.cause == "interference":  # Hz, within the band in which sizes are measured
         effect = effect.with_values(frequency=float(rng.uniform(0.1, 0.8) * session.band.edge))
-    if cls.cause in APART:
-        names = APART[cls.cause]
-        other = names[1 - rng.integers(len(names))]
-        effect = effect.with_values(**{other: 0.0})
     return scaled(effect, -1.0) if _either_sign(effect) and rng.random() < 0.5 else effect
 
 

@@ -1,6 +1,7 @@
 """Time shift: a channel is late, or its clock runs at another rate.
 
-    shift          y'(t) = y(t - delay - skew T)        T: time since the first sample
+    shift          y'(t) = y(t - delay)
+    skewed         y'(t) = y(t - skew T)                T: time since the first sample
     jitter         y'(t) = y(t - J u)                   u: drawn afresh at every sample, evenly from 0 to 1
     scanned        y'[i](t) = y[i](t - i s)             taxel i is read so long after taxel 0
 
@@ -37,7 +38,32 @@ class TimeShift(Dynamic):
     places: ClassVar = PLACES
     source: ClassVar[str] = "Laakso et al. 1996"
 
-    delay: float = quantity("s", 0.0, lower=-1.0, upper=1.0, typical=0.03, scan=(0.003, 0.1), doc="how late the channel is at first")
+    delay: float = quantity("s", 0.0, lower=-1.0, upper=1.0, typical=0.03, scan=(0.003, 0.1), doc="how late the channel is")
+
+    def initial(self, rng=None) -> tuple:
+        """The last samples, newest last: none."""
+        return ()
+
+    def step(self, state, y, s: Sample, dt: float):
+        """y(t - delay), looked up among the samples kept; the present one where that is still to come."""
+        late = self.delay / dt
+        past = _remembered(state, y, late)
+        return past, _looked_up(past, late)
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """y at the shifted times; also for a channel that is early."""
+        return _delayed(y, self.delay / s.dt)
+
+
+@dataclass(frozen=True)
+class SkewedClock(Dynamic):
+    """A channel whose clock runs at another rate, so that it gets later with time."""
+
+    cause: ClassVar[str] = "time_shift"
+    form: ClassVar[str] = "skewed"
+    places: ClassVar = PLACES
+    source: ClassVar[str] = "Laakso et al. 1996, with a delay that grows"
+
     skew: float = quantity("ppm", 0.0, lower=-1e4, upper=1e4, typical=200.0, doc="how much later it gets with time")
 
     def initial(self, rng=None) -> tuple[int, tuple]:
@@ -45,21 +71,15 @@ class TimeShift(Dynamic):
         return 0, ()
 
     def step(self, state, y, s: Sample, dt: float):
-        """y(t - delay - skew T), looked up among the samples kept; the present one where that is still to come."""
+        """y(t - skew T), looked up among the samples kept; the present one where that is still to come."""
         n, past = state
-        late = self._late(n * dt) / dt
+        late = 1e-6 * self.skew * n
         past = _remembered(past, y, late)
         return (n + 1, past), _looked_up(past, late)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """y at the shifted times; also for a channel that is early."""
-        if self.skew == 0.0:
-            return _delayed(y, self.delay / s.dt)
-        n = np.arange(len(s))
-        return _shifted(y, n - self._late(n * s.dt) / s.dt)
-
-    def _late(self, elapsed):
-        return self.delay + 1e-6 * self.skew * elapsed
+        return _shifted(y, (1.0 - 1e-6 * self.skew) * np.arange(len(s)))
 
 
 @dataclass(frozen=True)

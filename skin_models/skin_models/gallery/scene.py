@@ -40,7 +40,7 @@ LARGER = {  # to be seen at all
     "lag": {"tau": 0.12},
     "mount_compliance": {"late": 0.04},
     "quantization": {"step_force": 1.5},
-    "time_shift": {"delay": 0.08, "skew": 0.0, "jitter": 0.04, "per_taxel": 0.08},
+    "time_shift": {"delay": 0.08, "jitter": 0.04, "per_taxel": 0.08},
 }
 NOISE = (Noise(where="load_cell", white=0.04), Noise(where="taxel", white=0.04))  # of a fair sensor, the same with and without
 

@@ -115,9 +115,9 @@ def _believing_none(search: Search, look: _Look) -> bool:
         weigh(search, look.mass)
         return True
     by_hardware = any(t.key in search.hardware and t.score > reach(look.best) for t in look.trials)
-    pair = () if search.named or search.stage or by_hardware else two_at_once(search, look.trials, look.runs)
+    pair = None if search.named or search.stage or by_hardware else two_at_once(search, look.trials, look.runs)
     if pair:
-        search.end_round(look.survey, pair[0][1].cause)
+        search.end_round(look.survey, pair.findings[0].cause)
         take_pair(search, pair)
         return True
     if take_wave(search):

@@ -5,7 +5,7 @@ the best is taken for granted in turn, and the search looks one step further: is
 session has of its own, and is the first one then believed beside the second?
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.run import Run
@@ -26,23 +26,36 @@ from skin_models.model import Model
 FILTERS = ("time_shift", "lag", "mount_compliance", "rate_dependence")  # causes of which two together smooth the steps of the depth
 ASKED = 3  # causes that are taken for granted in turn
 
-Pair = tuple[tuple[Fit, Named], tuple[Fit | Run, Named]]
+
+@dataclass(frozen=True)
+class Pair:
+    """Two findings: the `first` with its fit alone, the `second` with its fit beside the first, or as a course. `explained` is the score of
+    both together over the present model, in the noise of the present search: each looks ahead in noise of its own."""
+
+    first: tuple[Fit, Named]
+    second: tuple[Fit | Run, Named]
+    explained: float
+
+    @property
+    def findings(self) -> tuple[Named, Named]:
+        """Both findings."""
+        return self.first[1], self.second[1]
 
 
-def two_at_once(search: Search, trials: list[Trial], runs: list[Run]) -> Pair | tuple[()]:
-    """The two findings that explain most together, the first one with its fit alone, the second with its fit beside the first, or as a
-    course; `search` is the state of `criticise`. Empty where the record is short, where courses explain more than the causes, or where no
-    two causes are believed beside each other."""
+def two_at_once(search: Search, trials: list[Trial], runs: list[Run]) -> Pair | None:
+    """The two findings that explain most together; `search` is the state of `criticise`. None where the record is short, where courses
+    explain more than the causes, or where no two causes are believed beside each other."""
     promising = [t.forms[-1] for t in trials[:ASKED] if t.score > MATERIAL_FALL * t.fit.count and sized(t.forms[-1])]
     if not promising or not search.lasts or (runs and runs[0].score > promising[0].score):
-        return ()
-    pairs = sorted(filter(None, (_beside(search, t) for t in promising)), key=lambda pair: -_explained(pair))
+        return None
+    pairs = sorted(filter(None, (_beside(search, t) for t in promising)), key=lambda pair: -pair.explained)
     if not pairs:
-        return ()
-    (alone, first), second = pairs[0]
-    near = [p for p in pairs[1:] if p[1][1].cause == second[1].cause and _explained(p) > reach(_explained(pairs[0]))]
-    rivals = tuple(Rival(p[0][1].cause, p[0][1].where, _explained(pairs[0]) - _explained(p)) for p in near)
-    return (alone, replace(first, alternatives=rivals)), second
+        return None
+    best, *others = pairs
+    first, second = best.findings
+    near = [p for p in others if p.findings[1].cause == second.cause and p.explained > reach(best.explained)]
+    rivals = tuple(Rival(*p.findings[0].key, best.explained - p.explained) for p in near)
+    return replace(best, first=(best.first[0], replace(first, alternatives=rivals)))
 
 
 def _no_steps(search: Search, after: Model, both: Gain, keys: tuple[Key, Key]) -> bool:
@@ -52,13 +65,9 @@ def _no_steps(search: Search, after: Model, both: Gain, keys: tuple[Key, Key]) -
     return much and all(resolved(search.claim(key, both, after), search.noise, steps, strict=True) for key in keys)
 
 
-def _explained(pair: Pair) -> float:
-    return sum(finding.explained for _, finding in pair)
-
-
 def take_pair(search: Search, pair: Pair) -> None:
     """Name both."""
-    for found, finding in pair:
+    for found, finding in (pair.first, pair.second):
         if isinstance(found, Run):
             take_course(search, found, finding)
         else:
@@ -70,25 +79,27 @@ def _beside(search: Search, first: Trial) -> Pair | None:
     ahead = search.ahead(first.fit)
     trials, runs = ahead.trials(ahead.look()), ahead.own_courses()
     own, shared = choose(ahead, trials, runs)
-    pair = _with_course(ahead, first, *own) if own else None
+    pair = _with_course(search, ahead, first, *own) if own else None
     return pair or _with_cause(search, ahead, first, shared or first_believed(ahead, trials, []))
 
 
-def _with_course(ahead: Search, first: Trial, run: Run, finding: Named) -> Pair | None:
+def _with_course(search: Search, ahead: Search, first: Trial, run: Run, finding: Named) -> Pair | None:
     if not _may_hide(first.key, finding.key):
         return None
     beside_it = ahead.ahead(first.fit)
     take_course(beside_it, run, finding)
-    return _with(beside_it, first, beside_it.present.model, (run, finding))
+    both = beside_it.present.under(search.noise, beside_it.train)
+    return _with(beside_it, first, both.model, (run, finding), both.score_over(search.present) - run.charge)
 
 
 def _with_cause(search: Search, ahead: Search, first: Trial, second: tuple[Fit, Named] | None) -> Pair | None:
     """Both, if they are believed together, too."""
     if second is None or not _may_hide(first.key, second[1].key):
         return None
-    after = second[0].model
-    both = search.gain(search.present.model, after, "skin")
-    return _with(ahead, first, after, second) if both.passed and _no_steps(search, after, both, (first.key, second[1].key)) else None
+    both = second[0].under(search.noise, search.train)
+    gain = search.gain(search.present.model, both.model, "skin")
+    told = gain.passed and _no_steps(search, both.model, gain, (first.key, second[1].key))
+    return _with(ahead, first, both.model, second, both.score_over(search.present)) if told else None
 
 
 def _may_hide(one: Key, other: Key) -> bool:
@@ -96,10 +107,10 @@ def _may_hide(one: Key, other: Key) -> bool:
     return one != other and not all(cause in FILTERS for cause, _ in (one, other))
 
 
-def _with(ahead: Search, first: Trial, after: Model, second: tuple[Fit | Run, Named]) -> Pair | None:
+def _with(ahead: Search, first: Trial, after: Model, second: tuple[Fit | Run, Named], explained: float) -> Pair | None:
     """Both, if `first` is believed beside the `second`, in the model `after`."""
     without, gain = beside(ahead, first.key, after)
-    return ((first.fit, Named(*first.key, gain, first.score, (), without, after)), second) if gain else None
+    return Pair((first.fit, Named(*first.key, gain, first.score, (), without, after)), second, explained) if gain else None
 
 
 def beside(ahead: Search, key: Key, after: Model) -> tuple[Model, Gain | None]:
