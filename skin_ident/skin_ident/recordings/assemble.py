@@ -142,12 +142,16 @@ def _live(part: Channels, notes: list[str]) -> Channels:
         return part
     keep = np.isfinite(part.rows).mean(axis=1) >= 0.5
     dead = tuple(compress(part.names, ~keep))
-    notes += [f"{n}: {DEAD}; it is taken for dead" for n in dead]
+    notes += map(_taken_for_dead, dead)
     if keep.all():
         return part
     digits = None if part.digits is None else part.digits * keep[:, None].astype(np.uint32)
     read = part.read and (part.read[0], np.where(keep[:, None], part.read[1], 0.0))
     return replace(part, rows=np.where(keep[:, None], part.rows, 0.0), digits=digits, read=read, dead=dead)
+
+
+def _taken_for_dead(taxel: str) -> str:
+    return f"{taxel}: {DEAD}; it is taken for dead"
 
 
 def _some_alive(name: str, parts: Sequence[Channels]) -> None:
@@ -224,7 +228,7 @@ def _sized(r: Recording, names: Sequence[str], low: np.ndarray, high: np.ndarray
     largest = np.maximum(-low, high)
     worst = int(np.argmax(largest))
     check_load(r.name, names[worst], largest[worst])
-    still = [n for n, a, b in zip(names, low, high, strict=True) if a == b]
+    still = [n for n, a, b in zip(names, low, high, strict=True) if a == b and _taken_for_dead(n) not in r.warnings]
     return r.warned(f"{', '.join(still)}: the value never changes") if still else r
 
 

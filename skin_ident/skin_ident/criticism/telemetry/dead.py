@@ -42,7 +42,10 @@ def _silent(recordings: list, i: int, n: int) -> list[Symptom]:
     if all(load is None for load in loads):
         return []
     if all(np.ptp(row) == 0.0 for row in rows):
-        return [_symptom(name, n, 0.0, f"{name} holds {rows[0][0]:.4g} in all {sum(map(len, rows))} samples", "stuck", float(rows[0][0]))]
+        level = float(rows[0][0])
+        holds = f"{level:.4g}" if level else "0, or no number at all,"
+        unread = "" if level else ": it is open, or was not recorded"
+        return [_symptom(name, n, 0.0, f"{name} holds {holds} in all {sum(map(len, rows))} samples{unread}", "stuck", level)]
     if any(load is None for load in loads):
         return []
     r = _follows(loads, rows)

@@ -35,6 +35,7 @@ from skin_models.model import Model
 
 ROUNDING = 1e-9  # N, RMS below which a residual is rounding error
 DOUBTED = 1.25  # ratio to the floor of the session with most data, above which the floor of every session is computed
+OTHER_RATE = 1.1  # ratio of sampling periods from which the noise in the common band may differ
 WELL_ABOVE = 1.4  # ratio to the floor that is more than noise. In 25 sound sets the largest was 1.2, and 1.1 in fitted sessions
 UNSURE = 4.0  # standard errors of the noise level, by which the ratio of residual and floor may be off
 LOUDER = 6.0  # ratio of the noise under load to that in the air that is never exceeded
@@ -82,10 +83,11 @@ def _delayed(model: Model, session: Session) -> np.ndarray:
 
 def floor_of_all(c: Criticism, floor: dict[str, dict[str, Any]], left: dict[str, float]) -> dict[str, dict[str, Any]]:
     """The floor; recomputed from all tested sessions where the residual `left` (N by channel) is doubtful against that of the session with
-    most data."""
-    if all(rms <= DOUBTED * max(floor[channel]["rms"], ROUNDING) for channel, rms in left.items()):
+    most data, or where sessions were sampled at other rates: of the same converter, the slower leaves more noise in the common band."""
+    tested, periods = list(c.held or c.train), [s.period for s in (*c.train, *c.held)]
+    of_one_rate = max(periods) < OTHER_RATE * min(periods)
+    if of_one_rate and all(rms <= DOUBTED * max(floor[channel]["rms"], ROUNDING) for channel, rms in left.items()):
         return floor
-    tested = list(c.held or c.train)
     fitted = pooled_rms([c.last.left_by_everything(s) for s in tested], tested)
     between = pooled_rms([predicted_between(c.last, s) for s in tested], tested)
     return {name: {**floor[name], "rms": float(rms)} for name, rms in zip(floor, np.minimum(fitted, between), strict=True)}

@@ -44,6 +44,7 @@ def judge(
     and `c.held`."""
     clean = c.baseline.model
     compared = [s for s in symptoms if set(s.channels) <= set(c.train[0].channels)]  # without faults of a force that drives the test
+    compared = [s for s in compared if s.cause != "dead_taxel" or not _reads_nothing(s.channels[0], whole[0])]  # no share says as much
     if effects := [e for e in effects_of(compared) if e.cause in PREDICTS]:
         c = _carrying(c, effects, whole, given, mass)
     tested = list(c.held or c.train)
@@ -54,17 +55,29 @@ def judge(
 def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Session]], given: Model | None, mass: float) -> Criticism:
     """The criticism with `effects` of faults in its extended model, and a baseline fitted to all samples."""
     start, model = given or replace(dispersion_start(whole[0], mass), effects=c.baseline.model.effects), c.extended.model
+    silent = {channel: 0.0 for channel in c.train[0].stuck if _reads_nothing(channel, whole[0])}
     plain = [
-        [replace(at_rest(without_parting(s, start.dispersion), model), skin=c.skin_before(own)) for s, own in zip(*pair, strict=True)]
+        [
+            replace(at_rest(without_parting(s, start.dispersion), model), skin=c.skin_before(own), stuck=silent)
+            for s, own in zip(*pair, strict=True)
+        ]
         for pair in zip(whole, (c.train, c.held), strict=True)
     ]
-    noise = noise_of(start, plain[0])
-    baseline = fit(start, plain[0], noise, 0 if given else ITERATIONS)
+    iterations = 0 if given else ITERATIONS
+    baseline = fit(start, plain[0], noise_of(start, plain[0]), iterations)
+    if not given:  # the start's residual says little about the noise: once more, in the noise that is left
+        baseline = fit(baseline.model, plain[0], noise_of(baseline.model, plain[0]), iterations)
     train, held = ([s.with_own_of(own) for s, own in zip(*pair, strict=True)] for pair in zip(plain, (c.train, c.held), strict=True))
     model = with_effects(model, effects)
     for e in (e for e in effects if e.cause == "quantization"):
         model = _better(model.without(e), model, train)
     return replace(c, baseline=baseline, extended=replace(c.extended, model=model), train=tuple(train), held=tuple(held))
+
+
+def _reads_nothing(channel: str, sessions: list[Session]) -> bool:
+    """Whether a channel holds nothing but zeros in all sessions. Without a share of the force it then leaves no residual, hence no noise
+    level by which other channels could be weighed against it."""
+    return not any(s.raw[s.channels.index(channel)].any() for s in sessions)
 
 
 def _better(one: Model, other: Model, sessions: list[Session]) -> Model:

@@ -136,6 +136,7 @@ def _simulated(symptom: Symptom, predicts: bool) -> dict[str, Any]:
     reasons = dict.fromkeys(PREDICTS, "the noise carries readings across the steps") | {
         "adhesion": "the moments at which it acts are not compared",
         "saturation": "the force that clips drives the simulation",
+        "dead_taxel": "a taxel that reads nothing has no share of the force in either model",
     }
     why = reasons.get(symptom.cause, "it comes at random")
     return {"simulated": f"yes, but nothing is predicted with it, for {why}", "predicts_nothing_for": why, **has}
