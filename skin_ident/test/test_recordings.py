@@ -99,6 +99,7 @@ def test_rig_yaml_calibrates_and_declares(tmp_path):
      ("calibration: {force: {slope: 3}}", "slope"), ("taxel_positions_mm: 3", "list"),
      ("taxel_positions_mm: [[0, 0], [1, 0], [2, 0]]", "speaks of 3, but the recording has 2 taxels"),
      ("taxel_positions_mm: [[0, 0], [0, 0]]", "same place"), ("taxel_step_n: [0.1, 0.2, 0.3]", "one number for all, or one for each"),
+     ("skin_thickness_mm: 0.004", "cannot be less than 0.02"), ("taxel_positions_mm: [[0, 0], [0.01, 0]]", "in millimetres"),
      ("encoder_step_um: 9999", "cannot have read a travel"), ("moving_mass_kg: 1.0e+9", "cannot be more than 100"),
      ("taxel_gain_uncertainty: 3", "unit")],
 )  # fmt: skip

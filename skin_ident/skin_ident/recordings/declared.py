@@ -25,6 +25,7 @@ Unknown keys are ignored with a warning, because the file may serve other progra
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
+from math import dist
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +47,8 @@ LARGEST = {  # values above which the unit must be wrong
     "spread_width_mm": 1e3,
     "taxel_gain_uncertainty": 1.0,
 }
+LEAST = {"plunger_diameter_mm": 0.05, "skin_thickness_mm": 0.02, "spread_width_mm": 0.02}  # values below which it must be wrong, too
+CLOSEST_MM = 0.1  # mm between the first taxel and the next: no skin has them closer, but places in metres look so
 THICK_MM = 50.0  # mm: a warning is given for thicker skin
 
 
@@ -196,6 +199,9 @@ def _positions(entries: Any) -> tuple[tuple[float, float], ...]:
     places = tuple(_position(entry) for entry in entries)
     if len(set(places)) < len(places):
         raise RecordingError(f"{POSITIONS}: two taxels are at the same place")
+    apart = min((dist(places[0], place) for place in places[1:]), default=CLOSEST_MM)
+    if apart < CLOSEST_MM:
+        raise RecordingError(f"{POSITIONS}: taxels are only {apart:g} mm apart: are their places in millimetres?")
     return places
 
 
@@ -223,6 +229,8 @@ def _positive(key: str, value: Any) -> float | None:
     number = None if value is None else _number(key, value)
     if number is not None and number <= 0.0:
         raise RecordingError(f"{key} must be positive, not {value!r}")
+    if number is not None and number < LEAST.get(key, 0.0):
+        raise RecordingError(f"{key} cannot be less than {LEAST[key]:g}, and is {value!r}: is it in the unit that its name says?")
     if number is not None and number > LARGEST.get(key, float("inf")):
         raise RecordingError(f"{key} cannot be more than {LARGEST[key]:g}, and is {value!r}: is it in the unit that its name says?")
     return number
