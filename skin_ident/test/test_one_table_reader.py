@@ -38,7 +38,9 @@ REFUSED = {
     "a column of no numbers": column_of(""), "rows cut short": "\n".join([",".join(ROWS[0]), *(",".join(r[:3]) for r in ROWS[1:])]),
     "spaces": table(" "), "decimal commas": table("\t").replace(".", ","), "no unit": table(r0c1="x"), "a wrong unit": table(r0c1="x_n"),
     "an unknown column": table(r0c3="banana"), "two depths": table(r0c3="depth_mm"), "two times": table(r0c3="time_ms"),
-    "two columns of one name": table(r0c1="taxel_0_n"), "a clock that steps back": "\n".join(map(",".join, [*ROWS, *ROWS[1:]])),
+    "two columns of one name": table(r0c1="taxel_0_n"), "rows backwards": "\n".join(map(",".join, [ROWS[0], *reversed(ROWS[1:])])),
+    "decimal commas between commas": ",".join(ROWS[0]) + "\n" + "\n".join(",".join(r).replace(".", ",") for r in ROWS[1:]),
+    "a clock that steps back": "\n".join(map(",".join, [*ROWS, *ROWS[1:]])),
     "millimetres that are metres": table(r0c1="x_m"), "kilonewtons": table(r0c2="force_kn", r9c2="1e4"), "no time": table(r0c0="taxel_1_n"),
 }  # fmt: skip
 
@@ -74,9 +76,17 @@ def test_what_one_refuses_the_other_refuses_in_the_same_words(tmp_path, case):
 
 def test_text_among_numbers_is_quoted_not_called_missing(tmp_path):
     (tmp_path / "a.csv").write_text(ACCEPTED["text in a cell"])
-    assert all("1 cell of column x_mm with text ('one')" in " ".join(r.warnings) for r in both(tmp_path / "a.csv"))
+    assert all("1 row with text in column x_mm ('one') dropped" in " ".join(r.warnings) for r in both(tmp_path / "a.csv"))
     (tmp_path / "a.csv").write_text(REFUSED["text in a column"])
     assert all("'one' in column x_mm is no number" in said for said in both(tmp_path / "a.csv"))
+
+
+@pytest.mark.parametrize(
+    ("case", "says"), [("rows backwards", "sort its rows by time"), ("decimal commas between commas", "write them with points")]
+)
+def test_what_to_do_is_said(tmp_path, case, says):
+    (tmp_path / "a.csv").write_text(REFUSED[case])
+    assert all(says in said for said in both(tmp_path / "a.csv"))
 
 
 @pytest.mark.parametrize("taxels", [0, 1])

@@ -53,6 +53,8 @@ def _late(t: np.ndarray, name: str) -> int:
     behind = t < newest
     if behind.size <= LATE_RUN or not np.lib.stride_tricks.sliding_window_view(behind, LATE_RUN + 1).all(axis=1).any():
         return int(behind.sum())
+    if np.all(np.diff(t) <= 0):
+        raise TableError(f"{name}: its time runs backwards, from the last sample to the first; sort its rows by time")
     first = int(np.argmax(behind))
     if np.sum(np.diff(t) < 0) > max(3, OFTEN * t.size):
         share = f"{100 * behind.mean():.0f} % of its stamps lie behind earlier ones"

@@ -50,12 +50,14 @@ def read_rows(text: str, path: str | os.PathLike) -> tuple[list[str], np.ndarray
     except ValueError:
         return _carefully(titles, mark, lines, path)
     if len(values) != len(titles):
-        raise TableError(f"{path}: the rows have {counted(len(values), 'column')}, the header {len(titles)}")
+        commas = ": are its decimals written with commas? write them with points" if mark == "," and len(values) == 2 * len(titles) else ""
+        raise TableError(f"{path}: the rows have {counted(len(values), 'column')}, the header {len(titles)}{commas}")
     return titles, values, ()
 
 
 def _carefully(titles: list[str], mark: str, lines: list[str], path: str | os.PathLike) -> tuple[list[str], np.ndarray, tuple[str, ...]]:
-    """Cell by cell: rows that are cut short are dropped and counted, cells that hold no number become NaN, and text in them is quoted."""
+    """Cell by cell: empty cells become NaN. Rows that are cut short, or hold text where a number belongs, are dropped and counted: what
+    damaged one cell may have damaged those beside it."""
     cells = [line.split(mark) for line in lines]
     whole = [row for row in cells if len(row) == len(titles)]
     if mark != "," and any("," in c for row in whole[:PROBES] for c in row):
@@ -65,23 +67,27 @@ def _carefully(titles: list[str], mark: str, lines: list[str], path: str | os.Pa
         raise TableError(f"{path}: {short} of {len(cells)} do not have the {len(titles)} columns of the header")
     lost = len(cells) - len(whole)
     notes = [f"{counted(lost, 'incomplete row')} dropped"] if lost else []
-    values = np.array([[_number(c) for c in row] for row in whole]).T
+    values, damaged = np.array([[_number(c) for c in row] for row in whole]).T, np.zeros(len(whole), bool)
     for title, numbers, column in zip(titles, values, zip(*whole, strict=True), strict=True):
-        notes += _text_among(title, [column[i] for i in np.flatnonzero(np.isnan(numbers))], len(whole), path)
-    return titles, values, tuple(notes)
+        strange = [i for i in np.flatnonzero(np.isnan(numbers)) if _is_text(column[i])]
+        if strange:
+            notes.append(_quoted(title, [column[i].strip() for i in strange], len(whole), path))
+            damaged[strange] = True
+    return titles, values[:, ~damaged], tuple(notes)
 
 
-def _text_among(title: str, cells: list[str], rows: int, path: str | os.PathLike) -> list[str]:
-    """A warning, if text stands for a number in a column. Raises `TableError` where more than a tenth of its cells hold text."""
-    strange = [cell.strip() for cell in cells if cell.strip().lower() not in MISSING and not _is_number(cell)]
-    if not strange:
-        return []
+def _quoted(title: str, strange: list[str], rows: int, path: str | os.PathLike) -> str:
+    """A warning of the text that stands for numbers in a column. Raises `TableError` where it stands in more than a tenth of its cells."""
     if len(strange) > (1.0 - WHOLE) * rows:
         raise TableError(
             f"{path}: {strange[0]!r} in column {title} is no number ({len(strange)} of {rows} cells there hold text): "
             "mend the column, leave it out, or leave cells empty where nothing was measured"
         )
-    return [f"{counted(len(strange), 'cell')} of column {title} with text ({strange[0]!r}) taken for missing"]
+    return f"{counted(len(strange), 'row')} with text in column {title} ({strange[0]!r}) dropped"
+
+
+def _is_text(cell: str) -> bool:
+    return cell.strip().lower() not in MISSING and not _is_number(cell)
 
 
 def _is_number(cell: str) -> bool:
