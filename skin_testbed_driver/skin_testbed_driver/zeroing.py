@@ -3,6 +3,14 @@
 The mean is over the last 100 samples and the threshold is 0.01 V, both as in the thesis. To be quick and exact at once the surface is
 approached twice: fast with a tenth of the samples, then, after backing off, slowly with all of them. Free air just before the slow
 approach gives the value from which the rise counts, so an offset of the load cell does not matter.
+
+The threshold is reached only some way into the skin. The surface itself is where the force began to rise: the plunger leaves the skin as
+slowly as it came, and on either way the voltage is a level in the air and a line in contact,
+
+    u(x) = c + s max(0, x - x0)
+
+with x0 by least squares. Coming, the force is ahead of a spring's by damping times speed, b v, and x0 lies b v / k above the surface;
+leaving, it is behind by as much, and x0 as far below it. The surface is the mean of both.
 """
 
 import math
@@ -10,8 +18,13 @@ from collections import deque
 from collections.abc import Generator
 from dataclasses import dataclass
 
+import numpy as np
+from scipy.optimize import minimize_scalar
+
 from skin_testbed_driver.motion import Motion
 from skin_testbed_driver.sensing import Sample
+
+PRESSED = 4.0  # thresholds to which it is pressed where the surface is extrapolated: the line is then longer than its noise is wide
 
 _Stages = Generator[None, tuple[Motion, float, float, float], object]
 
@@ -39,7 +52,7 @@ class RollingMean:
 @dataclass(frozen=True)
 class ZeroSettings:
     """Threshold (V), length of the rolling mean (samples), speeds of both approaches (m/s), how far to back off, to search
-    and to retract at the end (m)."""
+    and to retract at the end (m). `extrapolate`: whether the surface is where the force began to rise, or where it reached the threshold."""
 
     threshold: float = 0.01
     samples: int = 100
@@ -48,6 +61,7 @@ class ZeroSettings:
     back_off: float = 1.5e-4
     travel: float = 0.01
     retracted_depth: float = -0.002
+    extrapolate: bool = True
 
 
 @dataclass(frozen=True)
@@ -64,6 +78,7 @@ class Zeroing:
     def __init__(self, settings: ZeroSettings) -> None:
         """Begin with listening in the air."""
         self._settings = settings
+        self._track: list[tuple[float, float]] = []  # depth (m) and voltage (V) of the way that the plunger is on, or came last
         self._stages = self._run()
         next(self._stages)
 
@@ -85,12 +100,24 @@ class Zeroing:
             mean, free = yield from self._listen(s.samples)
             if air - free >= s.threshold:
                 raise _NotFoundError("the plunger pressed on something before the search began: bring it into the air")
-            found = yield from self._approach(s.slow, s.threshold, mean, free)
+            if s.extrapolate:
+                found, how = (yield from self._there_and_back(mean, free)), "the force begins to rise there"
+            else:
+                found = yield from self._approach(s.slow, s.threshold, mean, free)
+                how = f"the mean of {s.samples} samples rose by {s.threshold:g} V"
         except _NotFoundError as error:
             yield from self._leave(start, math.inf)
             return Outcome(str(error))
         yield from self._leave(found + s.retracted_depth, math.inf)
-        return Outcome(f"surface found: the mean of {s.samples} samples rose by {s.threshold:g} V", found)
+        return Outcome(f"surface found: {how}", found)
+
+    def _there_and_back(self, mean: RollingMean, free: float) -> _Stages:
+        """Press slowly to some times the threshold and leave as slowly; gives the mean of the depths at which the force began and ended."""
+        s = self._settings
+        deepest = yield from self._approach(s.slow, PRESSED * s.threshold, mean, free)
+        coming = self._track
+        yield from self._leave(deepest - s.back_off, s.slow)
+        return 0.5 * (onset(coming) + onset(self._track))
 
     def _listen(self, samples: int) -> _Stages:
         """A mean over as many samples, and its first value (V)."""
@@ -103,9 +130,11 @@ class Zeroing:
     def _approach(self, speed: float, threshold: float, mean: RollingMean, air: float) -> _Stages:
         """Press until contact, in which `mean` differs from `air` (V); gives the depth of contact. Raises `_NotFoundError`."""
         motion, depth, _, t = yield
+        self._track = []
         motion.go_to(depth + self._settings.travel, speed, t)
         while not motion.at_rest(t):
             motion, depth, voltage, t = yield
+            self._track.append((depth, voltage))
             rise = mean.add(voltage) - air
             if abs(rise) >= threshold:
                 motion.rest(t)
@@ -116,6 +145,21 @@ class Zeroing:
 
     def _leave(self, depth: float, speed: float) -> _Stages:
         motion, _, _, t = yield
+        self._track = []
         motion.go_to(depth, speed, t)
         while not motion.at_rest(t):
-            motion, _, _, t = yield
+            motion, x, voltage, t = yield
+            self._track.append((x, voltage))
+
+
+def onset(track: list[tuple[float, float]]) -> float:
+    """The depth x0 (m) at which the voltage begins to rise, from (depth, voltage) of one way: u(x) = c + s max(0, x - x0) by least squares.
+    """
+    x, u = np.array(track).T
+
+    def misfit(x0: float) -> float:
+        h = np.maximum(x - x0, 0.0)
+        h, v = h - h.mean(), u - u.mean()
+        return float(v @ v - (h @ v) ** 2 / max(h @ h, 1e-300))
+
+    return float(minimize_scalar(misfit, bounds=(x.min(), x.max()), method="bounded", options={"xatol": 1e-9}).x)

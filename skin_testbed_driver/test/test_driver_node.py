@@ -77,7 +77,7 @@ def test_zero_and_tare_answer_when_they_are_done(graph):
     encoder = graph.hear(JointState, "encoder")
     zero = graph.call(Zero, DRIVER + "zero")
     assert zero.success, zero.message
-    assert zero.shift == pytest.approx(3e-4, abs=4e-5)
+    assert zero.shift == pytest.approx(3e-4, abs=6e-6)
     tare = graph.call(Tare, DRIVER + "tare")
     assert tare.success and abs(tare.force_offset) < 0.05 and len(tare.taxel_offset) == 1
     graph.wait(lambda: graph.states[-1].zeroed and graph.states[-1].tared, "both in the state")

@@ -12,7 +12,7 @@ from skin_testbed_driver.rigs.simulated import SimulatedRig
 from skin_testbed_driver.safety import CommandError, Limits
 from skin_testbed_driver.testbed import Testbed
 from skin_testbed_driver.trajectory import Trajectory
-from skin_testbed_driver.zeroing import ZeroSettings
+from skin_testbed_driver.zeroing import ZeroSettings, onset
 
 SILICONE = Model(Dispersion(m=0.000432, b1=939.5, k1=9619.0, b2=629.2, k2=2766.0))
 PERIOD = 0.01
@@ -69,10 +69,29 @@ def test_zero_finds_a_surface_that_lies_deeper_than_thought():
     bench.run(0.1)
     bench.testbed.zero(ZeroSettings(), outcomes.append)
     bench.run(40.0)
-    assert outcomes[0].value == pytest.approx(5e-4, abs=4e-5)
+    assert outcomes[0].value == pytest.approx(5e-4, abs=5e-6)
     assert bench.testbed.status().zeroed and bench.testbed.status().zero_count == 1
     assert bench.samples[-1].depth == pytest.approx(-0.002, abs=1e-5)
     assert bench.samples[-1].position == pytest.approx(0.0735, abs=5e-5)
+
+
+@pytest.mark.parametrize("begin", [0.1, 0.113, 0.139])
+def test_the_surface_is_where_the_force_begins_to_rise_and_the_thesis_finds_it_deeper(begin):
+    found = []
+    for extrapolate in (True, False):
+        bench = Bench(surface=0.0755, start=0.073)
+        bench.run(begin)
+        bench.testbed.zero(ZeroSettings(extrapolate=extrapolate), found.append)
+        bench.run(45.0)
+    assert found[0].value == pytest.approx(5e-4, abs=5e-6)
+    assert found[1].value == pytest.approx(5e-4 + 19e-6, abs=6e-6)
+
+
+def test_a_line_that_begins_at_the_surface_is_found_in_noise():
+    rng = np.random.default_rng(3)
+    x = np.linspace(-1e-4, 6e-5, 700)
+    u = 0.3 + 800.0 * np.maximum(x - 2e-6, 0.0) + rng.normal(0.0, 2e-3, x.size)
+    assert onset([*zip(x, u, strict=True)]) == pytest.approx(2e-6, abs=1.5e-6)
 
 
 def test_zero_without_anything_below_says_so():

@@ -35,6 +35,7 @@ class DriverSettings(RigSettings):
     zero_samples: int = setting(100, "samples in that rolling mean", lower=1, upper=10000)
     zero_fast: float = setting(5e-4, "m/s, first approach to the surface", lower=1e-6, upper=0.02)
     zero_slow: float = setting(2e-5, "m/s, second approach", lower=1e-6, upper=0.02)
+    zero_extrapolate: bool = setting(True, "whether the surface is where the force begins to rise, or where it has risen by zero_threshold")
     zero_travel: float = setting(0.01, "m, how far to look for the surface", lower=1e-4, upper=0.15)
     tare_duration: float = setting(1.0, "s, how long the service tare averages", lower=0.01, upper=600.0)
 
@@ -52,5 +53,5 @@ class DriverSettings(RigSettings):
         """How to find the surface."""
         return ZeroSettings(
             threshold=self.zero_threshold, samples=self.zero_samples, fast=self.zero_fast, slow=self.zero_slow,
-            travel=self.zero_travel, retracted_depth=self.retracted_depth,
+            travel=self.zero_travel, retracted_depth=self.retracted_depth, extrapolate=self.zero_extrapolate,
         )  # fmt: skip
