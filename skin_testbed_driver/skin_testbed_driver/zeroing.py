@@ -51,8 +51,8 @@ class RollingMean:
 
 @dataclass(frozen=True)
 class ZeroSettings:
-    """Threshold (V), length of the rolling mean (samples), speeds of both approaches (m/s), how far to back off, to search
-    and to retract at the end (m). `extrapolate`: whether the surface is where the force began to rise, or where it reached the threshold."""
+    """Threshold (V), length of the rolling mean (samples), speeds of both approaches (m/s), how far to back off, to search and to retract at
+    the end (m), and whether the surface is where the force began to rise or where it reached the threshold."""
 
     threshold: float = 0.01
     samples: int = 100
@@ -153,8 +153,7 @@ class Zeroing:
 
 
 def onset(track: list[tuple[float, float]]) -> float:
-    """The depth x0 (m) at which the voltage begins to rise, from (depth, voltage) of one way: u(x) = c + s max(0, x - x0) by least squares.
-    """
+    """The depth x0 (m) at which the voltage begins to rise, by least squares over the (depth, voltage) of one way."""
     x, u = np.array(track).T
 
     def misfit(x0: float) -> float:
