@@ -51,8 +51,8 @@ class RollingMean:
 
 @dataclass(frozen=True)
 class ZeroSettings:
-    """Threshold (V), length of the rolling mean (samples), speeds of both approaches (m/s), how far to back off, to search and to retract at
-    the end (m), and whether the surface is where the force began to rise or where it reached the threshold."""
+    """Threshold (V), length of the rolling mean (samples), speeds of both approaches (m/s), how far to back off, to search and to retract
+    at the end (m), and whether the surface is where the force began to rise or where it reached the threshold."""
 
     threshold: float = 0.01
     samples: int = 100
