@@ -83,8 +83,9 @@ def fit(
         return Fit(model, (), {}, cost, believed)
     J, scale = slopes or _slopes(model, sessions, noise, which)
     amounts = np.array([u.parameter.role != SHAPE for u in which])
-    std, in_shape = (_standard_errors(J, scale, which, cost, free) for free in (np.ones(len(which), bool), amounts))
-    return Fit(model, which, std, cost, believed, in_shape)
+    inside = _inside(model, which)
+    every, some, in_shape = (_standard_errors(J, scale, which, cost, free) for free in (inside | True, inside, inside & amounts))
+    return Fit(model, which, every | some, cost, believed, in_shape)
 
 
 def approached(model: Model, sessions: list[Session], noise: Whitener, iterations: int, which: tuple[Unknown, ...]) -> Model:
@@ -167,6 +168,13 @@ def sliding(which: tuple[Unknown, ...], scale: np.ndarray, free: np.ndarray) -> 
             j = labels.index(which[i].beside)
             along[i, j] = -scale[j] / scale[i]
     return along
+
+
+def _inside(model: Model, which: tuple[Unknown, ...]) -> np.ndarray:
+    """Mask (U,) of the unknowns within their lower bounds. The others can give way to nothing: damping that may not be less does not make up
+    for a delay that is less than it is."""
+    theta = values(model, which)
+    return theta > lowest(which, theta) + NEAR * np.abs(theta)
 
 
 def _standard_errors(J: np.ndarray, scale: np.ndarray, which: tuple[Unknown, ...], cost: float, free: np.ndarray) -> dict[str, float]:

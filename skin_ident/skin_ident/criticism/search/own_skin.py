@@ -110,8 +110,8 @@ def _strays_as_skin(run: Run, farthest: float) -> bool:
 
 def take_own_skin_of_held(search: Search, of_train: float, runs: list[Run]) -> bool:
     """The same for held-out sessions alone, unless the `runs` of training sessions explain more of training than skin parameters do
-    (`of_train`)."""
-    if not _asked(search) or not search.held or (runs and AHEAD * runs[0].score > of_train):
+    (`of_train`). A lone training session cannot show that."""
+    if not _asked(search) or not search.held or (len(search.train) > 1 and runs and AHEAD * runs[0].score > of_train):
         return False
     each = [_of_one(search, s) for s in search.held]
     explained = sum(x for _, x in each) * all(np.abs(theta).max() <= FARTHEST for theta, _ in each)
