@@ -20,6 +20,7 @@ from skin_models.parameter import SHAPE
 
 ITERATIONS = 12
 STEP = 1e-4  # of finite differences, in scaled unknowns
+SINGULAR = 1e-12  # eigenvalue of the correlations of unknowns, up to which a combination of them is not determined at all
 NEAR = 0.01  # relative distance to a bound that depends on another unknown, within which the unknown counts as at its bound
 TOLERANCE = 1e-4  # relative fall of the cost below which a fit has converged
 
@@ -178,8 +179,12 @@ def _inside(model: Model, which: tuple[Unknown, ...]) -> np.ndarray:
 
 
 def _standard_errors(J: np.ndarray, scale: np.ndarray, which: tuple[Unknown, ...], cost: float, free: np.ndarray) -> dict[str, float]:
-    """Standard errors of the unknowns that are `free`, a mask (U,), with all others held fixed."""
+    """Standard errors of the unknowns that are `free`, a mask (U,), with all others held fixed; 0 for those that change nothing. Those that
+    only a combination of others tells from none have very large ones, where a pseudoinverse would give none."""
     rows, J = max(int(np.count_nonzero(np.any(J != 0.0, axis=1))) - len(which), 1), J[:, free]
-    covariance = np.linalg.pinv(J.T @ J) * cost / rows
+    norm = np.linalg.norm(J, axis=0)
+    norm[norm == 0.0] = np.inf
+    size, turned = np.linalg.eigh((J / norm).T @ (J / norm))
+    variance = np.sum(turned**2 / np.maximum(size, SINGULAR), axis=1) * cost / rows
     labels = [u.label for u, f in zip(which, free, strict=True) if f]
-    return dict(zip(labels, (np.sqrt(np.maximum(np.diag(covariance), 0.0)) * scale[free]).tolist(), strict=True))
+    return dict(zip(labels, (np.sqrt(variance) * scale[free] / norm).tolist(), strict=True))
