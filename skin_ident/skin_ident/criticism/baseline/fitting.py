@@ -172,8 +172,8 @@ def sliding(which: tuple[Unknown, ...], scale: np.ndarray, free: np.ndarray) -> 
 
 
 def _inside(model: Model, which: tuple[Unknown, ...]) -> np.ndarray:
-    """Mask (U,) of the unknowns within their lower bounds. The others can give way to nothing: damping that may not be less does not make up
-    for a delay that is less than it is."""
+    """Mask (U,) of the unknowns within their lower bounds. The others can give way to nothing: damping that may not be less does not make
+    up for a delay that is less than it is."""
     theta = values(model, which)
     return theta > lowest(which, theta) + NEAR * np.abs(theta)
 
