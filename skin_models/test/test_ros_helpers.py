@@ -12,7 +12,7 @@ from skin_models.errors import SkinError
 from skin_models.ros.processes import Domain, Process, executable, wait_until
 
 NODE = """
-import sys
+import os
 from dataclasses import dataclass
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -39,9 +39,9 @@ class Small(Node):
             result = self.set_parameters([Parameter(name, value=value)])[0]
             print(name, value, result.successful, result.reason)
         print("ready", self.parameters.now, flush=True)
-        if "fail" in sys.argv:
+        if os.environ.get("SMALL") == "fails":
             end(SkinError("the disk is full: free some room"))
-        if "done" in sys.argv:
+        if os.environ.get("SMALL") == "ends":
             end()
 
     def destroy_node(self):
@@ -62,10 +62,11 @@ def domain():
 def start(domain, tmp_path):
     started = []
 
-    def start(*arguments):
+    def start(*arguments, story=""):
         script = tmp_path / "small.py"
         script.write_text(NODE)
-        started.append(Process([sys.executable, str(script), *arguments], domain.environment(), "small"))
+        environment = {**domain.environment(), "SMALL": story}
+        started.append(Process([sys.executable, str(script), *arguments], environment, "small"))
         return started[-1]
 
     yield start
@@ -83,18 +84,18 @@ def test_signals_end_an_idle_node_with_its_farewell_and_status_0(start, number):
 
 
 def test_a_node_ends_by_itself(start):
-    assert start("done").wait(60.0) == 0
+    assert start(story="ends").wait(60.0) == 0
 
 
 def test_a_skin_error_is_one_line_and_status_2(start):
-    process = start("fail")
+    process = start(story="fails")
     assert process.wait(60.0) == 2
     assert process.output().rstrip().endswith("small.py: the disk is full: free some room")
     assert "Traceback" not in process.output()
 
 
 def test_parameters_are_checked_on_set_one_by_one_and_together(start):
-    process = start("done")
+    process = start(story="ends")
     assert process.wait(60.0) == 0
     lines = [line.split(" ", 3) for line in process.output().splitlines() if line.startswith(("rate", "kind"))]
     assert [line[2] for line in lines] == ["True", "False", "False", "False", "False"]
@@ -129,8 +130,15 @@ def test_what_ros_cannot_parse_is_one_line_and_status_2(start, arguments, words)
     assert len(process.output().splitlines()) == 1
 
 
+@pytest.mark.parametrize("arguments", [["--frob"], ["--frob", "--ros-args", "-p", "rate:=20.0"], ["--ros-args", "--", "--frob"]])
+def test_an_argument_that_nobody_knows_is_one_line_and_status_2(start, arguments):
+    process = start(*arguments)
+    assert process.wait(60.0) == 2
+    assert process.output().startswith("small.py: unknown argument --frob: ") and len(process.output().splitlines()) == 1
+
+
 def test_a_slip_in_a_name_is_warned_of(start):
-    process = start("done", "--ros-args", "-p", "rtae:=5.0", "-p", "rate:=20.0", "-p", "use_sim_time:=false")
+    process = start("--ros-args", "-p", "rtae:=5.0", "-p", "rate:=20.0", "-p", "use_sim_time:=false", story="ends")
     assert process.wait(60.0) == 0
     warnings = [line for line in process.output().splitlines() if "WARN" in line]
     assert len(warnings) == 1 and "parameter rtae is not known here" in warnings[0] and "mean rate" in warnings[0]

@@ -5,7 +5,8 @@
 
 With `--help` it prints what the node is, and its parameters, and starts nothing.
 
-Exit status: 0 after SIGINT, SIGTERM or `end()`, 2 for anything a user can mend (`SkinError`, arguments that ROS cannot parse).
+Exit status: 0 after SIGINT, SIGTERM or `end()`, 2 for anything a user can mend (`SkinError`, arguments that nobody knows or that ROS cannot
+parse).
 A second signal ends the process at once.
 """
 
@@ -78,6 +79,9 @@ def run(
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # `--help | head` is no accident
         print(usage(name, sys.modules[make_node.__module__].__doc__, settings))
         sys.exit(0)
+    if own:
+        known = "a node takes --help, and after --ros-args what ROS knows, such as -p parameter:=value"
+        sys.exit(_complain(name, f"unknown argument {own[0]}: {known}"))
     sys.exit(_status(name, make_node, args, make_executor or quickest_executor))
 
 
