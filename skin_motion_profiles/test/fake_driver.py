@@ -114,7 +114,7 @@ class FakeDriver(Node):
         return response
 
     def on_tare(self, request: Tare.Request, response: Tare.Response) -> Tare.Response:
-        response.success = True
+        response.success, response.message = self.depth < 0.0, "retract it, then tare"
         return response
 
     def tick_forever(self) -> None:

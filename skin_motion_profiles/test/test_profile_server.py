@@ -101,7 +101,7 @@ def test_a_zero_that_finds_nothing_ends_the_goal(bench):
 
 def test_tare_in_the_skin_is_refused(bench):
     result = bench.run("{type: battery, profiles: [{type: straight_line, to_mm: 0.5, speed_mm_s: 20}, {type: tare}]}")
-    assert result.error_code == Result.INVALID_PROFILE and "needs the plunger in the air" in result.error_string
+    assert (result.error_code, result.error_string) == (Result.DRIVER_FAULT, "tare: retract it, then tare")
 
 
 def test_a_person_at_the_stage_says_when_to_go_on(bench):

@@ -52,6 +52,16 @@ def test_zero_finds_the_surface_and_depths_count_from_there():
     assert np.median(force[force[:, 1] > 4.0][:, 1]) == pytest.approx(0.5 * 12.4, rel=0.1)
 
 
+def test_where_a_step_ends_no_tare_is_taken_and_prepare_still_works():
+    with Session(**FAST) as session:
+        result, _, _ = session.execute("{type: step, depth_mm: 0.5, speed_mm_s: 2, hold_s: 1}")
+        assert result.error_code == Result.SUCCESS, result.error_string
+        refused, _, _ = session.execute("{type: tare}")
+        assert refused.error_code == Result.DRIVER_FAULT and "retract it to 0.1 mm above or more" in refused.error_string
+        result, _, _ = session.execute("{battery: prepare}")
+    assert result.error_code == Result.SUCCESS, result.error_string
+
+
 def test_what_stops_the_driver_ends_the_goal_with_its_words():
     with Session(driver={"max_force": 4.0}) as session:
         result, _, _ = session.execute("{type: step, depth_mm: 1}")

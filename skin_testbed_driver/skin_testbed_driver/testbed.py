@@ -20,6 +20,8 @@ from skin_testbed_driver.taring import Offsets, Taring
 from skin_testbed_driver.trajectory import Trajectory
 from skin_testbed_driver.zeroing import Outcome, Zeroing, ZeroSettings
 
+# The zero lies some 20 um in the skin, where the force has risen by the threshold of the search; a stage rests a few um beside its target.
+_IN_THE_AIR = -1e-4  # m, depth above which the plunger may still touch the skin
 _WAITING = "waiting for the first reading of the encoder and of the load cell"
 
 
@@ -167,9 +169,11 @@ class Testbed:
         self._begin(Zeroing(settings), self._zero_found, done)
 
     def tare(self, duration: float, done: Callable[[Outcome], None]) -> None:
-        """Measure the offsets for `duration` (s), as `zero`. Raises `CommandError` where the plunger touches the skin."""
-        if self._zeroed and self._last is not None and self._last.depth > 0.0:
-            raise CommandError(f"the plunger is {1e3 * self._last.depth:.3f} mm in the skin: retract it before taring")
+        """Measure the offsets for `duration` (s), as `zero`. Raises `CommandError` where the plunger may touch the skin."""
+        if self.rig.moves and self._last is not None and self._last.depth > _IN_THE_AIR:
+            depth = 1e3 * self._last.depth
+            where = f"{depth:.3f} mm in the skin" if depth > 0.0 else f"only {-depth:.3f} mm above the surface and may touch the skin"
+            raise CommandError(f"the plunger is {where}: retract it to {-1e3 * _IN_THE_AIR:g} mm above or more (free_air does), then tare")
         self._begin(Taring(max(round(duration / self.period), 1)), self._tare_found, done)
 
     def cancel(self) -> None:
@@ -261,6 +265,7 @@ class Testbed:
 
     def _zero_found(self, depth: float) -> None:
         self._sensing.move_zero(depth)
+        self._last = self._last._replace(depth=self._last.depth - depth)
         self._motion.shift(-depth)
         self._zeroed = True
         self._zero_count += 1

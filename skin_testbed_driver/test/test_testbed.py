@@ -237,6 +237,32 @@ def test_tare_subtracts_the_mean_and_reset_gives_it_back():
     assert bench.testbed.status().tare_count == 2 and not bench.testbed.status().tared
 
 
+def test_a_tare_needs_air_between_plunger_and_skin():
+    bench, outcomes = Bench(), []
+    bench.run(0.1)
+    for depth, words in ((5e-4, "mm in the skin"), (-4e-5, "may touch the skin"), (-8e-5, "retract it to 0.1 mm above")):
+        bench.go(depth, 1.0)
+        bench.run(2.0)
+        with pytest.raises(CommandError, match=words):
+            bench.testbed.tare(0.5, outcomes.append)
+    bench.go(-1.5e-4, 1.0)
+    bench.run(2.0)
+    bench.testbed.tare(0.5, outcomes.append)
+    bench.run(0.6)
+    assert abs(outcomes[0].value.force) < 0.05
+
+
+def test_a_tare_is_possible_as_soon_as_the_surface_was_found():
+    bench, outcomes = Bench(surface=0.078), []
+    bench.run(0.1)
+    bench.testbed.zero(ZeroSettings(), outcomes.append)
+    while not outcomes:
+        bench.run(PERIOD)
+    bench.testbed.tare(0.5, outcomes.append)
+    bench.run(0.6)
+    assert abs(outcomes[1].value.force) < 0.05
+
+
 def test_a_taxel_that_misses_a_sample_is_tared_by_the_others():
     bench, outcomes = Bench(), []
     read, silent = bench.rig.read, math.nan

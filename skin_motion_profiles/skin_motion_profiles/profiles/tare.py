@@ -9,7 +9,7 @@ from skin_motion_profiles.profile import seconds
 
 @dataclass(frozen=True)
 class Tare(Action):
-    """To be done in free air."""
+    """To be done in free air: put `free_air` before it, the driver refuses a tare nearer to the surface than 0.1 mm."""
 
     kind: ClassVar[str] = "tare"
     example: ClassVar = {}

@@ -8,7 +8,6 @@ from skin_testbed_msgs.msg import DriverState
 from skin_motion_profiles.control import Controlled
 from skin_motion_profiles.entry import Action
 from skin_motion_profiles.profiles.place import Place
-from skin_motion_profiles.profiles.tare import Tare
 from skin_motion_profiles.ros.driver_link import DriverLink
 from skin_motion_profiles.ros.settings import Settings
 from skin_motion_profiles.ros.steering import Steering
@@ -55,8 +54,8 @@ class Watch:
             )
 
     def may_ask(self, action: Action) -> None:
-        """May the x-y stage move now, may the sensors be tared?"""
-        if isinstance(action, (Place, Tare)) and self.link.depth.value > 0.0:
+        """May the x-y stage move now? Whether the sensors may be zeroed or tared is for the driver to say."""
+        if isinstance(action, Place) and self.link.depth.value > 0.0:
             where = f"{self.link.depth.value * 1e3:.3f} mm in the skin"
             raise Ended(Result.INVALID_PROFILE, f"{action.label} needs the plunger in the air, but it is {where}: put free_air before it")
 
