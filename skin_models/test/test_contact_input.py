@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("skin_testbed_msgs")
 
-from skin_models.ros.contact_input import ContactInput, from_gazebo
+from skin_models.ros.contact_input import BAD_RADIUS, NO_FORCE, NO_PLACE, NOTHING, TOO_DEEP, TOO_HARD, ContactInput, from_gazebo
 
 HERE = (1e-3, 0.0, 0.0)
 
@@ -48,7 +48,17 @@ def test_unusable_contacts_are_left_out_and_counted_and_pulling_does_not_press()
     bad += [("", HERE, 1e9, nan, 0.0), ("", HERE, nan, 1.0, 0.0), ("", HERE, nan, -math.inf, 0.0)]
     got.take("contacts", [*bad, ("pull", HERE, -3.0, nan, 0.0)], now=0.0)
     presses, _ = got.at(0.0, 1.0, 1.0)
-    assert got.unusable == 7 and presses.key == ("contacts/pull",) and presses.force == pytest.approx([0.0])
+    assert got.unusable == {NOTHING: 1, NO_PLACE: 1, BAD_RADIUS: 1, TOO_HARD: 2, TOO_DEEP: 2}
+    assert presses.key == ("contacts/pull",) and presses.force == pytest.approx([0.0])
+
+
+def test_a_depth_beside_a_force_of_exactly_zero_is_doubted_and_the_force_counts():
+    got, nan = ContactInput(), math.nan
+    sound = [("", HERE, nan, 1e-3, 0.0), ("", HERE, 1.0, 1e-3, 0.0), ("", HERE, 0.0, nan, 0.0), ("", HERE, 0.0, 0.0, 0.0)]
+    got.take("contacts", [*sound, ("", HERE, 0.0, 1e-3, 0.0)], now=0.0)
+    got.take("gz", [("", HERE, 0.0, 1e-3, 0.0)], now=0.0)  # Gazebo cannot leave a force out
+    assert got.doubtful == {NO_FORCE: 1} and not got.unusable.total()
+    assert got.at(0.0, 1.0, 1.0)[0].force[4] == 0.0
 
 
 def test_two_contacts_of_one_name_stay_two():

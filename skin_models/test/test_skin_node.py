@@ -160,10 +160,12 @@ def test_it_can_be_looked_at_and_says_how_it_fares(graph):
     assert image.encoding == "rgb8" and len(image.data) == image.height * image.step
     force = np.frombuffer(bytes(cloud.data), "<f4").reshape(-1, 4)[:, 3]
     assert force.size == 30 and force.max() > 1.0
-    odd = ContactArray(contacts=[Contact(force=math.nan, depth=math.nan), Contact(position=Point(x=5.0), force=1.0, depth=math.nan)])
+    bare, aside = Contact(force=math.nan, depth=math.nan), Contact(position=Point(x=5.0), force=1.0, depth=math.nan)
+    odd = ContactArray(contacts=[bare, aside, Contact(force=math.nan, depth=1.0), Contact(depth=1e-3)])
     odd.header.frame_id = "world"
     contacts.publish(odd)
-    for words in ("neither", "beside", "frame world"):
+    complaints = ("1 contact with neither", "1 contact beside", "beyond 100 mm", "in mm?", "force of exactly 0", "frame world")
+    for words in complaints:
         graph.until(lambda words=words: any(words in s.message for d in diagnostics for s in d.status), f"the complaint with {words}")
     diagnostics.clear()
     graph.until(lambda: any("neither" not in s.message for d in diagnostics for s in d.status), "its end")

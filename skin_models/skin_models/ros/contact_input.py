@@ -3,9 +3,13 @@
 Rule for silence: a message holds until `timeout` after it came. Then its contacts are stale: force and depth fall to zero with the time
 constant `decay`, and below a thousandth they are gone. An empty ContactArray says that nothing touches, at once. Where the clock is set
 back, as by a simulator's reset, what came before counts as having come then.
+
+Rule for force and depth: NaN is what is not given. Where both are given the force presses, also a force of zero, and the depth only tells a
+spread that depends on it how wide to be.
 """
 
 import math
+from collections import Counter
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,6 +21,15 @@ from skin_models.signals import DEEPEST
 from skin_models.simulated_skin import HARDEST, Presses
 
 _GONE = 1e-3
+GAZEBO = "gz"  # the source that is Gazebo
+
+# What may be wrong with a contact.
+NO_PLACE = "without a finite place"
+BAD_RADIUS = "with a radius that is negative or not finite"
+NOTHING = "with neither force nor depth"
+TOO_HARD = f"with a force beyond {1e-6 * HARDEST:g} MN, the greatest that is accepted"
+TOO_DEEP = f"with a depth beyond {1e3 * DEEPEST:g} mm, the greatest that is accepted: depths are in m, are these in mm?"
+NO_FORCE = "with a depth and a force of exactly 0, which is what counts: force is NaN where only the depth is known"
 
 Press = tuple[str, tuple[float, float, float], float, float, float]  # key, position m, force N, depth m, radius m
 
@@ -30,17 +43,21 @@ class _Message:
 
 
 class ContactInput:
-    """The last message of every source; `unusable` counts contacts without a position, or without a force or depth that a skin can meet."""
+    """The last message of every source. `unusable` counts the contacts left out, by what is wrong, and `doubtful` those that are kept."""
 
     def __init__(self) -> None:
         """Nothing was heard yet."""
         self._messages: dict[str, _Message] = {}
-        self.unusable = 0
+        self.unusable: Counter[str] = Counter()
+        self.doubtful: Counter[str] = Counter()
 
     def take(self, source: str, contacts: list[Press], now: float) -> None:
         """Replace what `source` said last."""
-        usable = [c for c in contacts if _usable(c)]
-        self.unusable += len(contacts) - len(usable)
+        faults = [_fault(c) for c in contacts]
+        usable = [c for c, fault in zip(contacts, faults, strict=True) if not fault]
+        self.unusable.update(filter(None, faults))
+        if source != GAZEBO:  # which has no way to leave a force out
+            self.doubtful[NO_FORCE] += sum(force == 0.0 and depth > 0.0 for _, _, force, depth, _ in usable)
         self._messages = {**self._messages, source: _Message(_presses(source, usable), now)}
 
     def at(self, now: float, timeout: float, decay: float) -> tuple[Presses, bool]:
@@ -57,11 +74,17 @@ class ContactInput:
         return _joined(held), stale
 
 
-def _usable(c: Press) -> bool:
+def _fault(c: Press) -> str:
+    """Why a contact cannot be used; empty where it can."""
     _, position, force, depth, radius = c
-    numbers = math.isfinite(sum(position)) and math.isfinite(radius) and radius >= 0.0
-    pressed = not math.isnan(force) or not math.isnan(depth)
-    return numbers and pressed and not abs(force) > HARDEST and not abs(depth) > DEEPEST
+    faults = (
+        (not math.isfinite(sum(position)), NO_PLACE),
+        (not math.isfinite(radius) or radius < 0.0, BAD_RADIUS),
+        (math.isnan(force) and math.isnan(depth), NOTHING),
+        (abs(force) > HARDEST, TOO_HARD),
+        (abs(depth) > DEEPEST, TOO_DEEP),
+    )
+    return next((words for bad, words in faults if bad), "")
 
 
 def _presses(source: str, contacts: list[Press]) -> Presses:

@@ -5,6 +5,9 @@ drive:=contacts   `contacts` (ContactArray), `wrench` (WrenchStamped) and, where
 drive:=encoder    every sample of `encoder` (JointState) moves a plunger at the origin; `taxels`, `taxels_truth` and `force`, as the model
                   predicts them, bear its stamp. So the simulation runs beside a measurement, live or replayed.
 
+A contact has a force (N), a depth (m), or both. NaN is what is not given: a `Contact` with `depth` alone needs `force` set to NaN, because
+its default is 0. Where both are given the force presses, and the depth only tells a spread that depends on it how wide to be.
+
 `taxel_layout` is latched; `markers`, `heat_map` and `points` are there to look at. The service `~/load_model` reads the model file again,
 and setting the parameter `model` loads another one; the skin is then at rest. Silence: see `contact_input`. Contacts are taken as given in
 `skin_frame`; a message that names another frame is reported on /diagnostics.
@@ -23,7 +26,7 @@ from std_srvs.srv import Trigger
 
 from skin_models.errors import SkinError
 from skin_models.live import LiveModel, under_plunger
-from skin_models.ros.contact_input import ContactInput, from_contacts, from_gazebo, from_wrench
+from skin_models.ros.contact_input import GAZEBO, ContactInput, from_contacts, from_gazebo, from_wrench
 from skin_models.ros.node import run
 from skin_models.ros.parameters import Parameters
 from skin_models.ros.qos import LISTENING, overridable, stream
@@ -120,7 +123,7 @@ class SkinNode(Node):
         subscribe(ContactArray, "contacts", self._contacts)
         subscribe(WrenchStamped, "wrench", self._wrench)
         if GazeboContacts is not None:
-            subscribe(GazeboContacts, "gz_contacts", lambda m: self._input.take("gz", from_gazebo(m), self._now()))
+            subscribe(GazeboContacts, "gz_contacts", lambda m: self._input.take(GAZEBO, from_gazebo(m), self._now()))
 
     def _contacts(self, message: ContactArray) -> None:
         self._diagnostics.frame(message.header.frame_id, self._settings.now.skin_frame)
@@ -168,7 +171,7 @@ class SkinNode(Node):
         if self._encoder:
             self._diagnostics.encoder(self._about, skin.refused, skin.restarts)
         else:
-            self._diagnostics.contacts(self._about, self._ticking.report(), self._settings.now.rate, self._input.unusable)
+            self._diagnostics.contacts(self._about, self._ticking.report(), self._settings.now.rate, self._input)
 
     def destroy_node(self) -> None:
         """End the sampling thread first."""
