@@ -124,6 +124,10 @@ class BagWriter:
         self._guarded(self._writer.add_message, topic + 1, log_time, data, publish_time, self.counts[topic])
         self._hold()
 
+    def heard(self) -> set[str]:
+        """The topics of which there are messages."""
+        return {topic.name for topic, count in zip(self._topics, self.counts, strict=True) if count}
+
     def attach(self, name: str, media_type: str, data: bytes, when: int) -> None:
         """Put a file inside the recording, and a copy beside it; `when` in ns."""
         self._guarded(self._writer.add_attachment, when, when, name, media_type, data)

@@ -82,18 +82,23 @@ def test_no_sample_is_missing_between_the_first_and_the_last(graph, tmp_path):
 
 
 def encoder_times(path) -> list[int]:
-    """When the encoder's messages came that can be read from a recording, whole or torn."""
+    """When the encoders' messages came that can be read from a recording, whole or torn."""
     topics, times = {}, []
     with path.open("rb") as file:
         try:
             for found in StreamReader(file).records:
                 if type(found).__name__ == "Channel":
                     topics[found.id] = found.topic
-                elif type(found).__name__ == "Message" and topics[found.channel_id] == "/encoder":
+                elif type(found).__name__ == "Message" and topics[found.channel_id].endswith("/encoder"):
                     times.append(found.log_time)
         except McapError:
             pass  # the end is missing: that is what was asked for
     return times
+
+
+def wait_for_samples(graph, directory: Path) -> None:
+    """Wait until a recording is no longer empty: topics are found one after the other."""
+    graph.wait(lambda: encoder_times(mcap_of(directory)), f"what is recorded in {directory.name}")
 
 
 def test_after_kill_all_but_the_last_second_reads_back(graph, tmp_path):
@@ -116,7 +121,29 @@ def test_a_topic_that_nobody_publishes_is_missed_aloud(graph, tmp_path):
     recorder.wait_for_output("/nothing has no publisher yet", 60.0)
     assert recorder.end(30.0) == 0
     assert "/nothing was never recorded" in recorder.output() and "/force" not in recorder.output()
-    assert " messages of 1 topics in " in recorder.output()
+    assert " messages of 1 topic in " in recorder.output()
+
+
+def test_a_graph_without_a_rig_is_complained_of_and_an_empty_recording_is_no_success(graph, tmp_path):
+    recorder = record(graph, tmp_path / "s")
+    recorder.wait_for_output("nobody publishes encoder, force, taxels yet: does a driver run", 60.0)
+    assert recorder.end(30.0) == 2
+    assert "nothing was recorded of encoder, force, taxels" in recorder.output() and "Traceback" not in recorder.output()
+    assert (
+        recorder.output()
+        .rstrip()
+        .endswith(f"recorder: not one message came, {tmp_path / 's'} is empty: does a driver run, in the same ROS domain?")
+    )
+
+
+def test_streams_that_are_missing_beside_others_are_named(graph, tmp_path):
+    encoder = graph.node.create_publisher(JointState, "encoder", 10)
+    recorder = record(graph, tmp_path / "s", exclude=["/rosout", "/parameter_events", "/taxels"])
+    graph.wait(lambda: encoder.get_subscription_count(), "the recorder's subscription")
+    encoder.publish(JointState())
+    wait_for_samples(graph, tmp_path / "s")
+    assert recorder.end(30.0) == 0
+    assert "nothing was recorded of force, taxels" in recorder.output() and "1 message of " in recorder.output()
 
 
 def test_an_existing_directory_is_refused(graph, tmp_path):
@@ -129,7 +156,9 @@ def test_an_existing_directory_is_refused(graph, tmp_path):
 
 def test_a_rig_file_goes_into_the_recording_and_beside_it(graph, tmp_path):
     (tmp_path / "rig.yaml").write_text("plunger_diameter_mm: 9.9\n")
+    graph.driver()
     recorder = record(graph, tmp_path / "s", rig_file=str(tmp_path / "rig.yaml"))
+    wait_for_samples(graph, tmp_path / "s")
     assert graph.call(Trigger, "recorder/stop").success
     assert recorder.wait(60.0) == 0
     assert (tmp_path / "s" / "rig.yaml").read_text() == "plunger_diameter_mm: 9.9\n"
@@ -142,6 +171,7 @@ def test_what_the_driver_says_of_its_rig_goes_into_the_recording_and_beside_it(g
     recorder = record(graph, tmp_path / "s")
     files = [tmp_path / "s" / name for name in ("rig.yaml", "calibration.yaml")]
     graph.wait(lambda: all(f.is_file() and f.stat().st_size for f in files), "both files")
+    wait_for_samples(graph, tmp_path / "s")
     assert recorder.end(30.0) == 0
     rig, calibration = (yaml.safe_load(f.read_text()) for f in files)
     assert rig["sample_rate_hz"] == 100.0 and rig["taxel_positions_mm"] == [[0.0, 0.0], [14.0, 0.0]]
@@ -162,6 +192,7 @@ def test_the_only_rig_of_the_graph_describes_itself_though_it_is_in_a_namespace(
     recorder = record(graph, tmp_path / "s")
     files = [tmp_path / "s" / name for name in ("rig.yaml", "calibration.yaml")]
     graph.wait(lambda: all(f.is_file() and f.stat().st_size for f in files), "both files")
+    wait_for_samples(graph, tmp_path / "s")
     assert recorder.end(30.0) == 0
     assert len(yaml.safe_load(files[0].read_text())["taxel_positions_mm"]) == 2
 
@@ -176,6 +207,8 @@ def test_of_two_rigs_the_recorded_one_describes_itself_and_both_are_complained_o
     both.wait_for_output("more than one rig describes itself .*/left, /right", 60.0)
     rig = tmp_path / "one" / "rig.yaml"
     graph.wait(lambda: rig.is_file() and rig.stat().st_size, "the file")
+    wait_for_samples(graph, tmp_path / "one")
+    wait_for_samples(graph, tmp_path / "both")
     assert one.end(30.0) == 0 and both.end(30.0) == 0
     assert len(yaml.safe_load(rig.read_text())["taxel_positions_mm"]) == 3 and "more than one rig" not in one.output()
 
@@ -208,7 +241,9 @@ def test_a_full_disk_ends_with_one_sentence_and_leaves_what_was_written_readable
 
 
 def test_sigterm_is_a_clean_end(graph, tmp_path):
+    graph.driver()
     recorder = record(graph, tmp_path / "s")
+    wait_for_samples(graph, tmp_path / "s")
     recorder.send(signal.SIGTERM)
     assert recorder.wait(60.0) == 0
     assert (tmp_path / "s" / "metadata.yaml").is_file()

@@ -5,14 +5,15 @@
 
 Subscriptions take messages as they were sent, without decoding, and callbacks write them: a second thread would hold the interpreter
 for whole chunks while messages wait to be taken. Topics that appear later are recorded from then on. The recording ends with SIGINT,
-SIGTERM or the service `~/stop`.
+SIGTERM or the service `~/stop`. Topics that were asked for and brought nothing are named; where none are asked for, these are the encoder,
+force and taxels of a rig. Exit status 2 says that nothing at all came, or that nothing could be written any more.
 """
 
 import datetime
 import functools
 import importlib
 import importlib.metadata
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,13 +27,16 @@ from std_srvs.srv import Trigger
 from skin_models.errors import SkinError
 from skin_models.ros.node import end, run
 from skin_models.ros.parameters import Parameters, setting
+from skin_models.words import counted
 from skin_testbed_driver.bag import BagWriter, TopicInfo
 from skin_testbed_driver.ros.definitions import DefinitionError, definition
 from skin_testbed_driver.ros.descriptions import Descriptions
 from skin_testbed_driver.ros.offered_qos import matching, offered
 
 _LOOK = 0.2  # s, between two looks at the graph
+_IS_ONE_THERE = "does a driver run, in the same ROS domain?"
 _PATIENCE = 5.0  # s, after which topics that were asked for should be there
+_RIG = ("encoder", "force", "taxels")  # without these, in whatever namespace, a recording says nothing of skin
 _IDLE = 0.1  # s, between two looks whether messages wait for others that do not come
 
 
@@ -66,23 +70,46 @@ class Recorder(Node):
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_LOOK, functools.partial(self._try, self._look), clock=steady)
         self.create_timer(_IDLE, functools.partial(self._try, self._bag.flush_if_due), clock=steady)
-        self._patience = self.create_timer(_PATIENCE, lambda: self._complain_of_missing("has no publisher yet"), clock=steady)
+        self._patience = self.create_timer(_PATIENCE, self._complain_of_missing, clock=steady)
         self.create_service(Trigger, "~/stop", self._on_stop)
         self.get_logger().info(f"recording to {self._bag.directory}")
 
     def destroy_node(self) -> None:
-        """End the recording, whole."""
+        """End the recording, whole. Raises `SkinError` where it is empty."""
         try:
             self._bag.close()
-            self.get_logger().info(f"{sum(self._bag.counts)} messages of {len(self._bag.counts)} topics in {self._bag.directory}")
-            self._complain_of_missing("was never recorded: nobody published it")
+            messages, topics = counted(sum(self._bag.counts), "message"), counted(len(self._bag.counts), "topic")
+            self.get_logger().info(f"{messages} of {topics} in {self._bag.directory}")
+            if not self._failed:
+                self._complain_of_silence()
         finally:
             super().destroy_node()
 
-    def _complain_of_missing(self, words: str) -> None:
+    def _complain_of_missing(self) -> None:
+        """Once, early enough to do something about it."""
         self._patience.cancel()
         for name in sorted(self._wanted - self._known):
-            self.get_logger().warning(f"{name} {words}")
+            self.get_logger().warning(f"{name} has no publisher yet")
+        absent = self._absent(self._known)
+        if absent:
+            self.get_logger().warning(f"nobody publishes {absent} yet: {_IS_ONE_THERE}")
+
+    def _complain_of_silence(self) -> None:
+        """At the end. Raises `SkinError` where nothing was recorded."""
+        heard = self._bag.heard()
+        for name in sorted(self._wanted - heard):
+            why = "no message came" if name in self._known else "nobody published it"
+            self.get_logger().warning(f"{name} was never recorded: {why}")
+        absent = self._absent(heard)
+        if absent:
+            self.get_logger().warning(f"nothing was recorded of {absent}: {_IS_ONE_THERE}")
+        if not heard:
+            raise SkinError(f"not one message came, {self._bag.directory} is empty: {_IS_ONE_THERE}")
+
+    def _absent(self, there: Iterable[str]) -> str:
+        """What of a rig is not among the topics `there`, in words; empty where topics were asked for by name."""
+        names = {name.rpartition("/")[2] for name in there}
+        return "" if self._wanted else ", ".join(name for name in _RIG if name not in names)
 
     def _describe(self, rig: bytes | None) -> None:
         now = self.get_clock().now().nanoseconds
