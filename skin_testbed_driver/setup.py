@@ -27,6 +27,7 @@ setup(
         "console_scripts": [
             "driver_node = skin_testbed_driver.executables:driver_node",
             "recorder = skin_testbed_driver.executables:recorder",
+            "call = skin_testbed_driver.executables:call",
             "export_table = skin_testbed_driver.executables:export_table",
             "import_table = skin_testbed_driver.executables:import_table",
         ]

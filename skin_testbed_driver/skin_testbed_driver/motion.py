@@ -12,7 +12,7 @@ from enum import Enum
 
 import numpy as np
 
-from skin_testbed_driver.safety import CommandError, Limits, Stop, check_trajectory
+from skin_testbed_driver.safety import HOW_TO_RESET, CommandError, Limits, Stop, check_trajectory
 from skin_testbed_driver.trajectory import Trajectory, brake, quickest
 
 _ABSURD = 1e3  # m or m/s, beyond which a set point is no mistake of a user but of a program: such numbers overflow
@@ -69,7 +69,7 @@ class Motion:
     def follow(self, command: Trajectory, now: float) -> None:
         """Take over a command by the splice rule. Raises `CommandError`, and changes nothing, if it cannot be followed."""
         if self.stopped is not None:
-            raise CommandError(f"the driver is stopped ({self.stopped.reason}): call the service reset first")
+            raise CommandError(f"the driver is stopped ({self.stopped.reason}): {HOW_TO_RESET}")
         path = self._spliced(_usable(command), now)
         tail = brake(path.end, path.x[-1], path.v[-1], self.limits.max_acceleration)
         ends_moving = abs(path.v[-1]) > _AT_REST

@@ -16,6 +16,9 @@ _SLACK = 1e-6  # relative: rounding of a path planned exactly at a limit
 _SLACK_DEPTH = 1e-9  # m
 
 
+HOW_TO_RESET = "call the service reset (run skin_testbed_driver call reset)"  # with `ros2` or `./skin` before it
+
+
 class CommandError(SkinError):
     """A command that the driver does not follow."""
 

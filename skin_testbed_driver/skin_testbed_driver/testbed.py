@@ -14,7 +14,7 @@ from skin_models.errors import SkinError
 from skin_testbed_driver.calibration import Calibration
 from skin_testbed_driver.motion import Activity, Motion
 from skin_testbed_driver.rig import Reading, Rig, RigError
-from skin_testbed_driver.safety import CommandError, Guard, Limits, Stop
+from skin_testbed_driver.safety import HOW_TO_RESET, CommandError, Guard, Limits, Stop
 from skin_testbed_driver.sensing import Sample, Sensing
 from skin_testbed_driver.taring import Offsets, Taring
 from skin_testbed_driver.trajectory import Trajectory
@@ -136,7 +136,7 @@ class Testbed:
         with self._lock:
             self._must_move()
             if self._motion.stopped is not None:
-                raise CommandError(f"the driver is stopped ({self._motion.stopped.reason}): call the service reset first")
+                raise CommandError(f"the driver is stopped ({self._motion.stopped.reason}): {HOW_TO_RESET}")
             try:
                 if self._job is not None:
                     raise CommandError("zeroing or taring is under way")
@@ -244,7 +244,7 @@ class Testbed:
             if self._job is not None:
                 raise CommandError("zeroing or taring is under way")
             if self._motion.stopped is not None:
-                raise CommandError(f"the driver is stopped ({self._motion.stopped.reason}): call the service reset first")
+                raise CommandError(f"the driver is stopped ({self._motion.stopped.reason}): {HOW_TO_RESET}")
             if self._motion.activity(self._next) is not Activity.READY:
                 raise CommandError("the plunger is moving: wait until it rests")
             self._job, self._found, self._done = job, found, done

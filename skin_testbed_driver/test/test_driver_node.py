@@ -2,6 +2,7 @@
 
 import math
 import os
+import signal
 import time
 from pathlib import Path
 
@@ -84,6 +85,42 @@ def test_zero_and_tare_answer_when_they_are_done(graph):
     assert (graph.states[-1].zero_count, graph.states[-1].tare_count) == (1, 1)
     assert encoder[-1].position[0] == pytest.approx(-0.002, abs=1e-5)
     assert graph.call(Trigger, DRIVER + "reset_tare").success
+
+
+def call(graph, *arguments):
+    """The installed command, from its start to its end."""
+    process = graph.processes.start("skin_testbed_driver", "call", arguments)
+    graph.wait(lambda: process.status is not None, "the end of call")
+    return process
+
+
+def test_services_are_called_from_the_command_line(graph):
+    driver = graph.driver(surface_offset=3e-4)
+    assert call(graph, "stop").status == 0
+    driver.wait_for_output("stopped: the service stop was called; to go on, .*run skin_testbed_driver call reset", 60.0)
+    refused = call(graph, "zero")
+    assert refused.status == 1 and "call: zero: the driver is stopped" in refused.output() and "call reset" in refused.output()
+    reset = call(graph, "reset")
+    assert (reset.status, reset.output()) == (0, "reset: ready\n")
+    assert call(graph, "zero").status == 0 and call(graph, "tare").status == 0
+    graph.wait(lambda: graph.states[-1].zeroed and graph.states[-1].tared, "both in the state")
+
+
+def test_an_interrupted_call_ends_the_search_and_leaves_the_driver_ready(graph):
+    graph.driver(time_scale=1.0)
+    process = graph.processes.start("skin_testbed_driver", "call", ["zero"])
+    graph.wait(lambda: graph.state() == DriverState.MOVING, "the search")
+    process.send(signal.SIGINT)
+    graph.wait(lambda: process.status is not None, "the end of call")
+    assert (process.status, process.output()) == (1, "call: zero: cancelled\n")
+    graph.wait(lambda: graph.state() == DriverState.READY, "readiness")
+
+
+def test_a_call_without_a_driver_says_so(graph):
+    absent = call(graph, "reset")
+    assert absent.status == 1 and "nobody offers the service /testbed_driver/reset: does driver_node run" in absent.output()
+    unknown = call(graph, "resett")
+    assert unknown.status == 2 and "invalid choice: 'resett'" in unknown.output()
 
 
 def test_killing_the_commander_stops_the_motion_until_a_reset(graph):

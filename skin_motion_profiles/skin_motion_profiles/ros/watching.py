@@ -17,6 +17,9 @@ Result = ExecuteProfile.Result
 _CLOCK_SLACK = 1.0  # s by which the clocks of driver and server may differ
 
 
+_HOW_TO_RESET = "to go on, call its service reset (run skin_testbed_driver call reset)"
+
+
 class Ended(Exception):
     """The goal cannot go on: a code of the action's result and a sentence."""
 
@@ -111,7 +114,7 @@ class Watch:
         state = self.link.state
         if state.state != DriverState.STOPPED:
             return None
-        return Ended(Result.DRIVER_FAULT, f"the driver has stopped: {state.reason or 'it gives no reason'}; call its service reset")
+        return Ended(Result.DRIVER_FAULT, f"the driver has stopped: {state.reason or 'it gives no reason'}; {_HOW_TO_RESET}")
 
     def _driver(self) -> None:
         state = self.link.state

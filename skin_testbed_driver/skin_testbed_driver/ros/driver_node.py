@@ -27,6 +27,7 @@ from skin_testbed_driver.ros.publishing import Publishing, state_message
 from skin_testbed_driver.ros.requests import Requests
 from skin_testbed_driver.ros.sampling import SamplingThread
 from skin_testbed_driver.ros.transitions import bear_wrong_transitions
+from skin_testbed_driver.safety import HOW_TO_RESET
 from skin_testbed_driver.statistics import LoopStatistics
 from skin_testbed_driver.testbed import Status, Testbed
 
@@ -193,7 +194,7 @@ class DriverNode(LifecycleNode):
         self._driver_state.publish(message)
 
     def _say_stopped(self, reason: str) -> None:
-        self.get_logger().error(f"stopped: {reason}")
+        self.get_logger().error(f"stopped: {reason}; to go on, {HOW_TO_RESET}")
 
     def _clock_ns(self) -> int:
         return self.get_clock().now().nanoseconds

@@ -16,6 +16,7 @@ from skin_models.ros.taxel_output import floats
 from skin_testbed_driver.ros.answering import create_answering_service
 from skin_testbed_driver.ros.commands import trajectory_of
 from skin_testbed_driver.ros.driver_settings import DriverSettings
+from skin_testbed_driver.safety import HOW_TO_RESET
 from skin_testbed_driver.testbed import Testbed
 from skin_testbed_driver.zeroing import Outcome
 
@@ -102,7 +103,7 @@ class Requests:
         return self._answer(response, self._testbed.reset_tare, "nothing is subtracted any more")
 
     def _on_stop(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        return self._answer(response, lambda: self._testbed.stop("the service stop was called"), "stopped: call reset to go on")
+        return self._answer(response, lambda: self._testbed.stop("the service stop was called"), f"stopped: to go on, {HOW_TO_RESET}")
 
     def _on_cancel(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         return self._answer(response, self._testbed.cancel, "cancelled")
