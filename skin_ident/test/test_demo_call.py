@@ -5,7 +5,7 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("skin_testbed_msgs")
 
-from skin_ident.ros import demo
+from skin_ident.ros import demo, testbed
 from skin_ident.ros.demo import _announced, answer, main, specimen_with_secret
 
 
@@ -42,6 +42,18 @@ def test_the_answer_says_how_large_both_are_where_they_are_the_same():
     assert "hidden: lag in the taxel (tau 50.0 ms)" in said
     assert said.endswith("found:  lag in the taxel (tau 52 ± 1 ms), lag in the load_cell")
     assert answer(None, {"findings": []}) == "\nhidden: nothing\nfound:  nothing"
+
+
+def test_of_a_session_that_is_stopped_nothing_is_kept_and_those_before_it_stay(tmp_path, monkeypatch):
+    def stopped(*_):
+        assert (tmp_path / "torn").is_dir()
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt), testbed.Testbed(None, seed=1, time_scale=5.0) as running:
+        whole = running.session(tmp_path / "whole", "{type: step, depth_mm: 0.2}")
+        monkeypatch.setattr(running, "execute", stopped)
+        running.session(tmp_path / "torn", "demo")
+    assert list(tmp_path.iterdir()) == [whole]
 
 
 @pytest.mark.parametrize("recorded", [False, True])

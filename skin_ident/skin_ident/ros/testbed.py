@@ -3,6 +3,7 @@
 Nothing is imported from those packages: they are found where they are installed and spoken to over DDS, as a user's own graph would be.
 """
 
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,7 @@ class Testbed:
     def __init__(self, model: Path | None, seed: int, time_scale: float) -> None:
         self.domain = Domain()
         self.processes = Processes(self.domain.environment())
+        self.unfinished: set[Path] = set()  # recordings that would pass for whole ones
         self.simulated_time = {"use_sim_time": True} if time_scale != 1.0 else {}
         driver = {"seed": seed, "time_scale": time_scale, **({"model": str(model)} if model else {})}
         self._ready("skin_testbed_driver", "driver_node", driver)
@@ -45,11 +47,17 @@ class Testbed:
             raise TestbedError(f"the profile {words[0]} failed: {client.output().strip().splitlines()[-1]}")
 
     def session(self, directory: Path, *words: str) -> Path:
-        """Run a battery while everything is recorded into `directory`; returns the bag."""
+        """Run a battery while everything is recorded into `directory`, which must not exist; returns the bag.
+
+        Where the battery or the recording does not come to its end, the directory is removed when the testbed is left.
+        """
+        if not directory.exists():
+            self.unfinished.add(directory)
         recorder = self._ready("skin_testbed_driver", "recorder", {"directory": str(directory)})
         self.execute(*words)
         if recorder.end(PATIENCE) != 0:
             raise TestbedError(f"the recorder failed: {recorder.output().strip().splitlines()[-1]}")
+        self.unfinished.discard(directory)
         return directory
 
     def _ready(self, package: str, name: str, parameters: Mapping[str, Any], remap: Mapping[str, str] | None = None):
@@ -61,5 +69,9 @@ class Testbed:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.processes.end()
-        self.domain.__exit__()
+        try:
+            self.processes.end()
+            self.domain.__exit__()
+        finally:
+            for directory in self.unfinished:
+                shutil.rmtree(directory, ignore_errors=True)
