@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from dataclasses import asdict
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.fit import Options, fit_recordings, sessions_of
@@ -68,7 +68,7 @@ def run_batch(
     keys = {str(p): _key(p, options, how) for p in paths}
     rows = {row["key"]: row for row in _journal(folder) if row["key"] in set(keys.values())}
     todo = [p for p, key in keys.items() if key not in rows]
-    with (folder / JOURNAL).open("a", encoding="utf-8") as journal:
+    with _kept(folder / JOURNAL) as journal:
         if journal.tell() and not (folder / JOURNAL).read_bytes().endswith(b"\n"):
             journal.write("\n")  # an earlier call was cut off within a line
         for row in _rows(todo, (options, how), jobs, scheduler):
@@ -79,6 +79,17 @@ def run_batch(
                 journal.flush()
             progress(len(rows), len(keys), row)
     return [rows[key] for key in keys.values()]
+
+
+@contextmanager
+def _kept(path: Path) -> Iterator[TextIO]:
+    """The journal, to append to; it goes again where nothing was written."""
+    try:
+        with path.open("a", encoding="utf-8") as journal:
+            yield journal
+    finally:
+        if path.exists() and not path.stat().st_size:
+            path.unlink()
 
 
 def _key(path: Path, options: Options, how: dict[str, Any]) -> str:

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from making import SILICONE, recording, write_mcap, write_table
 
+from skin_ident import batch
 from skin_ident.batch import JOURNAL, run_batch
 from skin_ident.batch import write_table as write_rows
 from skin_ident.cli.fit import main
@@ -78,12 +79,12 @@ def test_a_killed_batch_leaves_no_process_behind_and_goes_on(folder, tmp_path):
     command = [sys.executable, "-m", "skin_ident.cli.fit", folder, "--each", "--jobs", "2", "--out", tmp_path / "out"]
     for i in range(40):
         write_table(folder / f"t{i:03}.csv", recording(i, n=400))
-    batch = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    started = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     for _ in range(4):
-        batch.stderr.readline()  # a row is finished
-    workers = children_of(batch.pid)
-    batch.kill()
-    batch.wait(10)
+        started.stderr.readline()  # a row is finished
+    workers = children_of(started.pid)
+    started.kill()
+    started.wait(10)
     until = time.monotonic() + 20.0
     while not all(map(gone, workers)) and time.monotonic() < until:
         time.sleep(0.05)
@@ -100,12 +101,27 @@ def test_an_interrupted_batch_says_what_is_kept(folder, tmp_path):
     # tests that run in the background have Ctrl-C switched off, and so have their children
     program = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); from skin_ident.cli.fit import main; exit(main())"
     command = [sys.executable, "-c", program, folder, "--each", "--jobs", "2", "--out", tmp_path / "out"]
-    batch = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True)
-    batch.stderr.readline()
-    os.killpg(batch.pid, signal.SIGINT)  # as a terminal does: to all of them
-    said = batch.communicate(timeout=60)[1]
-    assert batch.returncode == 130 and "the same call goes on from there" in said and "Traceback" not in said
+    started = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    started.stderr.readline()
+    os.killpg(started.pid, signal.SIGINT)  # as a terminal does: to all of them
+    said = started.communicate(timeout=60)[1]
+    assert started.returncode == 130 and "the same call goes on from there" in said and "Traceback" not in said
     assert 1 <= (tmp_path / "out" / JOURNAL).read_text().count("\n") < 40
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_a_batch_that_is_interrupted_before_its_first_row_leaves_nothing(folder, tmp_path, monkeypatch, capsys, there):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+        yield
+
+    monkeypatch.setattr(batch, "_rows", interrupted)
+    if there:
+        (tmp_path / "out").mkdir()
+    assert main([str(folder), "--each", "--out", str(tmp_path / "out")]) == 130
+    said = capsys.readouterr().err
+    assert said == "no session was finished yet\ninterrupted; nothing was written\n"
+    assert (tmp_path / "out").exists() is there and not (there and list((tmp_path / "out").iterdir()))
 
 
 def test_on_a_command_line(folder, tmp_path, capsys):

@@ -145,11 +145,11 @@ def whole_folder(path: str) -> Iterator[Path]:
 
 
 def _without_empty_folders() -> list[Path]:
-    """Remove the empty folders that this command made. Returns those of its output folders that exist then, outermost first."""
+    """Remove the empty folders that this command made. Returns those of its output folders that hold something then, outermost first."""
     for folder in reversed([folder for folder, new in _given.items() if new]):
         with suppress(OSError):  # something is in it
             folder.rmdir()
-    return [folder for folder in _given if folder.exists()]
+    return [folder for folder in _given if folder.is_dir() and any(folder.iterdir())]
 
 
 def check_seed(seed: int, most: int | None = None) -> None:

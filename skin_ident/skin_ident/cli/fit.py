@@ -156,6 +156,9 @@ def _batch(chosen: argparse.Namespace, options: Options, topics: dict[str, str])
     try:
         rows = run_batch(paths, folder, options, topics, **how, progress=_row_done)
     except KeyboardInterrupt:
+        if not (folder / JOURNAL).exists():
+            common.say("no session was finished yet")
+            raise
         common.say(f"interrupted; the sessions that were finished are kept in {folder / JOURNAL}: the same call goes on from there")
         return common.INTERRUPTED
     table = folder / f"fits.{chosen.format}"
