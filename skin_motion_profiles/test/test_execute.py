@@ -45,7 +45,7 @@ def test_success_is_0_and_tells_every_profile(bench):
     status, output = outcome(bench, f"{{type: battery, profiles: [{step}, {air}]}}")
     assert status == 0, output
     assert "1/2 step" in output and "2/2 free_air" in output
-    assert re.search(r"executed to its end: \d+\.\d s, peak 1[12]\.\d\d N at most 1\.000 mm deep", output)
+    assert re.search(r"executed to its end: \d+\.\d s, peak force 1[12]\.\d\d N, greatest depth 1\.000 mm", output)
 
 
 def test_a_failed_goal_is_1_with_its_reason(bench):

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skin_models.words import counted
 from skin_testbed_driver.motion import Motion
 from skin_testbed_driver.sensing import Sample
 from skin_testbed_driver.zeroing import Outcome
@@ -36,4 +37,5 @@ class Taring:
         counts = known.sum(axis=0)
         taxels = np.where(known, self._taxels, 0.0).sum(axis=0) / np.maximum(counts, 1)  # 0 for a silent one
         silent = f"; {np.count_nonzero(counts == 0)} of the taxels said nothing" if (counts == 0).any() else ""
-        return Outcome(f"offsets are the means of {self._samples} samples{silent}", Offsets(float(np.mean(self._forces)), taxels))
+        means = f"offsets are the means of {counted(self._samples, 'sample')}"
+        return Outcome(f"{means}{silent}", Offsets(float(np.mean(self._forces)), taxels))

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skin_models.errors import SkinError
+from skin_models.words import counted
 from skin_testbed_driver.calibration import Calibration
 from skin_testbed_driver.motion import Activity, Motion
 from skin_testbed_driver.rig import Reading, Rig, RigError
@@ -104,7 +105,7 @@ class Testbed:
                 raise RigError(f"the rig's {name} must be an array of float64, one per taxel: np.array(values, float)")
         taxels, places = max(r.taxel_voltage.size, r.taxel_force.size), len(self.rig.layout)
         if taxels != places:
-            raise RigError(f"the rig reads {taxels} taxels, its layout has {places}: what is not known is NaN, not left out")
+            raise RigError(f"the rig reads {counted(taxels, 'taxel')}, its layout has {places}: what is not known is NaN, not left out")
         self._begun = not math.isnan(r.position) and not (math.isnan(r.force) and math.isnan(r.load_cell_voltage))
         if self._begun:
             self._sensing.zero = r.position - self._start_depth if self.rig.moves else 0.0

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from skin_models.words import counted
 from skin_testbed_driver.motion import Motion
 from skin_testbed_driver.sensing import Sample
 
@@ -104,7 +105,7 @@ class Zeroing:
                 found, how = (yield from self._there_and_back(mean, free)), "the force begins to rise there"
             else:
                 found = yield from self._approach(s.slow, s.threshold, mean, free)
-                how = f"the mean of {s.samples} samples rose by {s.threshold:g} V"
+                how = f"the mean of {counted(s.samples, 'sample')} rose by {s.threshold:g} V"
         except _NotFoundError as error:
             yield from self._leave(start, math.inf)
             return Outcome(str(error))

@@ -37,6 +37,7 @@ from skin_models.ros.ticking import Ticking
 from skin_models.ros.viewing import Viewing
 from skin_models.simulated_skin import SimulatedSkin
 from skin_models.spread.noted import THESIS_WIDTH
+from skin_models.words import counted
 
 try:
     from ros_gz_interfaces.msg import Contacts as GazeboContacts
@@ -94,7 +95,7 @@ class SkinNode(Node):
             self.get_logger().warning(f"{said}: taken as {1e3 * THESIS_WIDTH:g} mm, that of 4 mm silicone (parameter spread_width)")
         if model.dispersion.k2 < 0.0 and not self._encoder:
             self.get_logger().warning(f"{model.name} disperses a negative force (k2 < 0): taxels feel no more than presses all the same")
-        self._about = f"{model.name} ({effects}), {len(layout)} taxels, driven by {settings.drive}"
+        self._about = f"{model.name} ({effects}), {counted(len(layout), 'taxel')}, driven by {settings.drive}"
         self._output.layout(layout, self.get_clock().now().to_msg())
         if self._viewing:
             self._viewing.show(layout)

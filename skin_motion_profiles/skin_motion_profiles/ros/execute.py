@@ -170,7 +170,7 @@ def _force(word: str) -> float:
 
 
 def _report(result: ExecuteProfile.Result) -> int:
-    numbers = f"{result.duration:.1f} s, peak {result.peak_force:.2f} N at most {result.peak_depth * 1e3:.3f} mm deep"
+    numbers = f"{result.duration:.1f} s, peak force {result.peak_force:.2f} N, greatest depth {result.peak_depth * 1e3:.3f} mm"
     if result.error_code == ExecuteProfile.Result.SUCCESS:
         print(f"{result.error_string}: {numbers}", flush=True)
         return 0

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from skin_models.layout import Layout
+from skin_models.words import counted
 from skin_testbed_driver.rig import Reading, Rig, RigError
 
 
@@ -57,7 +58,8 @@ class ReplayRig(Rig):
             raise RigError("the recording's depth and force have no time in common")
         silent = r.taxels.values.shape[1] == 0  # a material test: taxels that say nothing
         if not silent and r.taxels.values.shape[1] != len(self.layout):
-            raise RigError(f"the recording has {r.taxels.values.shape[1]} taxels, but the layout has {len(self.layout)}: leave that out")
+            there = counted(r.taxels.values.shape[1], "taxel")
+            raise RigError(f"the recording has {there}, but the layout has {len(self.layout)}: leave that out")
         times = np.arange(begin, end + 0.5e-6, 1.0 / sample_rate)
         self._depth, self._force = r.depth.at(times), r.force.at(times)
         self._taxels = np.full((times.size, len(self.layout)), math.nan) if silent else r.taxels.at(times)

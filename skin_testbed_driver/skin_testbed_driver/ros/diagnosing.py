@@ -2,6 +2,7 @@
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
+from skin_models.words import counted
 from skin_testbed_driver.motion import Activity
 from skin_testbed_driver.sensing import DEAD, OK, SATURATED, STALE, STUCK, UNCALIBRATED, Sample
 from skin_testbed_driver.statistics import LoopReport
@@ -22,7 +23,7 @@ def diagnostics(
 def _loop(name: str, loop: LoopReport, wanted: float, others: str) -> DiagnosticStatus:
     slow = loop.rate < wanted * (1.0 - _RATE_TOLERANCE)
     level = DiagnosticStatus.WARN if slow or loop.skipped else DiagnosticStatus.OK
-    message = f"{loop.rate:.2f} of {wanted:g} Hz, {loop.skipped} samples skipped"
+    message = f"{loop.rate:.2f} of {wanted:g} Hz, {counted(loop.skipped, 'sample')} skipped"
     if others:
         level, message = DiagnosticStatus.ERROR, f"{others} publishes the same topics"
     values = {

@@ -18,6 +18,7 @@ from sensor_msgs.msg import JointState
 from skin_testbed_msgs.msg import TaxelArray
 
 from skin_models.errors import SkinError
+from skin_models.words import counted
 from skin_testbed_driver.bag import BagWriter, TopicInfo
 from skin_testbed_driver.rigs.replay import Recorded
 from skin_testbed_driver.rigs.table import read_table
@@ -85,7 +86,7 @@ def main() -> None:
         sys.exit(2)
     for warning in recorded.warnings:
         print(f"import_table: {chosen.table}: {warning}", file=sys.stderr)
-    print(f"{chosen.out}: {recorded.depth.t.size} samples")
+    print(f"{chosen.out}: {counted(recorded.depth.t.size, 'sample')}")
 
 
 if __name__ == "__main__":

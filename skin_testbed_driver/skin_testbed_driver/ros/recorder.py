@@ -174,7 +174,7 @@ class Recorder(Node):
         self._bag.attach(file_name, "application/yaml", data, self.get_clock().now().nanoseconds)
 
     def _on_stop(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        response.success, response.message = True, f"{sum(self._bag.counts)} messages in {self._bag.directory}"
+        response.success, response.message = True, f"{counted(sum(self._bag.counts), 'message')} in {self._bag.directory}"
         end()
         return response
 

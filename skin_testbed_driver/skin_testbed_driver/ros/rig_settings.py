@@ -17,6 +17,7 @@ from skin_models.model_file import load_model
 from skin_models.ros.parameters import setting
 from skin_models.spread.noted import kernel_of
 from skin_models.tables.text import SUFFIXES
+from skin_models.words import counted
 from skin_testbed_driver.calibration import Calibration, load_calibration, thesis_calibration
 from skin_testbed_driver.rig import Rig
 from skin_testbed_driver.rigs.own import is_own_rig, own_rig
@@ -114,7 +115,7 @@ class RigSettings:
         known = model.positions and not self.layout_file and not self.taxels
         layout = flat(model.positions) if known else self._layout(len(model.shares))
         if len(model.shares) not in (1, len(layout)):
-            raise SkinError(f"the model has shares for {len(model.shares)} taxels, but the layout has {len(layout)}")
+            raise SkinError(f"the model has shares for {counted(len(model.shares), 'taxel')}, but the layout has {len(layout)}")
         real = Imperfections(
             self.load_cell_noise, self.taxel_noise, self.rest_error, self.screw_error, self.quantised, self.mount_compliance
         )

@@ -30,6 +30,7 @@ from std_msgs.msg import Float64MultiArray
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from skin_models.layout import Layout
+from skin_models.words import counted
 from skin_testbed_driver.rig import Reading, Rig
 
 # Only the newest matters, from reliable and best-effort publishers alike.
@@ -127,7 +128,8 @@ class TopicsRig(Rig):
         values = message.force if isinstance(message, TaxelArray) else message.data
         self._taxels = (np.array(values), time.monotonic())
         if len(values) != len(self.layout):
-            self._wonder(f"taxels_in has {len(values)} values for {len(self.layout)} taxels: set the parameter taxels, or layout_file")
+            there, wanted = counted(len(values), "value"), counted(len(self.layout), "taxel")
+            self._wonder(f"taxels_in has {there} for {wanted}: set the parameter taxels, or layout_file")
 
     def _wonder(self, sentence: str) -> None:
         self._node.get_logger().warning(sentence, throttle_duration_sec=10.0)
