@@ -76,14 +76,17 @@ def test_table_to_bag_to_table_is_the_same_table(tmp_path):
     (tmp_path / "rig.yaml").write_text("sample_rate_hz: 100\n")
     assert run("import_table", tmp_path / "run.tsv", "--out", tmp_path / "bag", "--start", "1700000000.25").returncode == 0
     assert (tmp_path / "bag" / "rig.yaml").read_text() == "sample_rate_hz: 100\n"
-    (tmp_path / "other").mkdir()
     exported = run("export_table", tmp_path / "bag", "--out", tmp_path / "other" / "again.tsv")
-    assert exported.returncode == 0 and "500 samples" in exported.stdout
+    assert (exported.returncode, exported.stderr) == (0, "")
+    assert exported.stdout == f"500 samples: wrote {tmp_path / 'other' / 'again.tsv'} and {tmp_path / 'other' / 'rig.yaml'}\n"
     assert (tmp_path / "other" / "again.tsv").read_text() == (tmp_path / "run.tsv").read_text()
     assert (tmp_path / "other" / "rig.yaml").exists()
     (tmp_path / "other" / "rig.yaml").write_text("sample_rate_hz: 50\n")
     refused = run("export_table", tmp_path / "bag", "--out", tmp_path / "other" / "third.tsv")
     assert refused.returncode == 2 and "another rig" in refused.stderr and not (tmp_path / "other" / "third.tsv").exists()
+    way_out = tmp_path / "other" / "third_table" / "third.tsv"
+    assert refused.stderr.endswith(f"such as --out {way_out}\n")
+    assert run("export_table", tmp_path / "bag", "--out", way_out).returncode == 0 and way_out.is_file()
 
 
 def test_what_cannot_be_used_ends_with_one_sentence_and_status_2(tmp_path):
@@ -108,6 +111,9 @@ def test_a_file_that_is_cut_off_says_how_much_of_it_was_read(tmp_path):
     (tmp_path / "cut.mcap").write_bytes(data[:100])
     refused = run("export_table", tmp_path / "cut.mcap", "--out", tmp_path / "none.tsv")
     assert refused.returncode == 2 and "cut off" in refused.stderr and not (tmp_path / "none.tsv").exists()
+    (tmp_path / "file").touch()
+    refused = run("export_table", tmp_path / "bag", "--out", tmp_path / "file" / "none.tsv")
+    assert refused.returncode == 2 and refused.stderr.count("\n") == 1
 
 
 def test_a_damaged_chunk_is_left_out_and_said(tmp_path):
