@@ -53,12 +53,19 @@ def test_a_gallery_is_drawn_again_over_an_earlier_one(tmp_path, monkeypatch, sho
     assert [main([str(tmp_path / "a.html")]) for _ in range(2)] == [0, 0]
 
 
-def test_the_wait_is_told_of_on_stderr(tmp_path, monkeypatch, shown, capsys):
+@pytest.mark.parametrize("terminal", [True, False])
+def test_the_wait_is_told_of_on_stderr(tmp_path, monkeypatch, shown, capsys, terminal):
+    monkeypatch.setattr("sys.stderr.isatty", lambda: terminal)
     monkeypatch.setattr("skin_models.gallery.scene._channel", lambda model, e, s: shown[0].without)
     monkeypatch.setattr("skin_models.gallery.page.png", lambda p: b"")
     monkeypatch.setattr("skin_models.gallery.page.overview", lambda shown: b"")
     assert main([str(tmp_path / "a.html")]) == 0
     said = capsys.readouterr()
     count = len(effects())
-    assert f"simulating 1 of {count} effects: " in said.err and f"simulating {count} of {count}" in said.err and "drawing 2 of" in said.err
+    assert f"simulating 1 of {count} effects: " in said.err
+    if terminal:  # one line, which is written again and again, and is gone at the end
+        assert f"simulating {count} of {count}" in said.err and "drawing 2 of" in said.err
+        assert "\n" not in said.err and said.err.endswith("\r\033[K")
+    else:
+        assert 1 <= said.err.count("\n") <= 3 and "\r" not in said.err
     assert said.out == f"wrote {tmp_path / 'a.html'}\n"

@@ -11,6 +11,7 @@ from skin_models.errors import SkinError
 from skin_models.gallery import TITLE
 from skin_models.whole_file import whole_file
 
+APART = 5.0  # s, between two lines of a log
 HEAD = 1000  # characters, within which a page has its title
 
 
@@ -44,11 +45,17 @@ def _write(out: Path) -> None:
 
 @contextmanager
 def _progress() -> Iterator[Callable[[str], None]]:
-    """Says each stage on stderr: in place on a terminal, which is then left clear, a line each in a log."""
+    """Says on stderr what is done: every stage in place on a terminal, which is then left clear; in a log a line now and then."""
     started, live = time.monotonic(), sys.stderr.isatty()
+    due = 0.0
 
     def say(stage: str) -> None:
-        text = f"[{time.monotonic() - started:5.1f} s] {stage}"
+        nonlocal due
+        passed = time.monotonic() - started
+        if not live and passed < due:
+            return
+        due = passed + APART
+        text = f"[{passed:5.1f} s] {stage}"
         print(f"\r\033[K{text}" if live else text, end="" if live else "\n", file=sys.stderr, flush=True)
 
     try:
