@@ -69,7 +69,7 @@ def test_a_material_test_has_taxels_that_say_nothing(tmp_path):
 
 
 def test_another_number_of_taxels_than_the_recording_has_is_refused(tmp_path):
-    with pytest.raises(RigError, match="has 1 taxels, but the layout has 3"):
+    with pytest.raises(RigError, match="has 1 taxel, but the layout has 3"):
         ReplayRig(table(tmp_path, TABLE), row_from_origin(3)).open(100.0)
 
 
