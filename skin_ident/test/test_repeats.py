@@ -67,6 +67,20 @@ def test_every_sample_of_the_block_is_left_out():
     assert np.array_equal(np.flatnonzero(symptom.bad[recordings[1].name, "force"]), np.arange(1500, 1800))
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_many_short_blocks_do_not_make_long_ones_look_like_chance(seed):
+    """Blocks of 12 to 60 samples, each sent twice in a row while the plunger moves, in noise of several steps of the converter."""
+    rng = np.random.default_rng(seed)
+    r = read(session(seed, noise=4.0 * STEP), force_step=STEP)
+    force, moving = r.force.copy(), np.flatnonzero(np.abs(np.gradient(r.depth, r.dt)) > 2e-4)
+    for start in rng.choice(moving[(moving > 100) & (moving < len(r) - 100)], 25, replace=False):
+        n = int(rng.integers(12, 60))
+        force[start : start + n] = force[start - n : start]
+    (symptom,) = find_copies([replace(r, force=force)])
+    assert symptom.where == "load_cell" and np.count_nonzero(symptom.bad[r.name, "force"]) > 300
+    assert find_copies([r]) == []
+
+
 def tabled(folder, r, late) -> Path:
     """A table of the recording, each stamp as `late` as it says, s."""
     rows = np.array([r.t + late, 1e3 * r.depth, r.force, *r.taxels]).T

@@ -40,7 +40,7 @@ def _blocks(recordings: list) -> list[Symptom]:
     """Stretches that repeat in all channels, with the depth either repeating as well or clearly different."""
     again = repeats_of([np.array([r.read(c) for c in r.channels]).T for r in recordings])
     first = next(iter(recordings[0].channels))
-    again = [r for r in again if _with_its_depth(recordings, r) or _moved_otherwise(recordings, r, first)]
+    again = [r for r in again if r.is_rare and (_with_its_depth(recordings, r) or _moved_otherwise(recordings, r, first))]
     return [_copy(recordings, again, tuple(recordings[again[0].at].channels))] if again else []
 
 
@@ -51,9 +51,18 @@ def _channel_blocks(recordings: list, known: dict[str, np.ndarray]) -> Iterator[
         kept = [at[~known[r.name][at]] for r, (at, _) in zip(recordings, read, strict=True)]
         again = repeats_of([digits[~known[r.name][at]][:, None] for r, (at, digits) in zip(recordings, read, strict=True)])
         again = [_on_grid(r, kept[r.at], kept[r.source]) for r in again]
-        again = [r for r in again if _moved_otherwise(recordings, r, channel) or _of_noise(recordings[r.at], r, channel)]
+        again = [r for r in again if _is_copied(recordings, r, channel)]
         if again:
             yield _copy(recordings, again, (channel,))
+
+
+def _is_copied(recordings: list, again: Repeat, channel: str) -> bool:
+    """Whether a stretch that repeats in one channel was copied. Many short copies make short windows recur so often that chance seems to
+    explain the long ones as well; but it explains none of noise, as long as the depth does not repeat."""
+    noise = _of_noise(recordings[again.at], again, channel)
+    if again.is_rare:
+        return noise or _moved_otherwise(recordings, again, channel)
+    return noise and recordings[again.at].depth is not None and not _with_its_depth(recordings, again)
 
 
 def _as_read(recording, channel: str) -> tuple[np.ndarray, np.ndarray]:

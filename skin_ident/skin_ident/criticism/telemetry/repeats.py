@@ -5,7 +5,7 @@ windows recur in these recordings shows how long chance can last.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -22,7 +22,8 @@ PART = 100_000  # windows examined at a time, which bounds the memory
 @dataclass(frozen=True)
 class Repeat:
     """`length` samples from `start` of recording `at` on that occurred before, from `origin` of recording `source` on. `lively` counts
-    those in windows with enough different readings: a coarse reading at rest repeats itself, which shows nothing."""
+    those in windows with enough different readings: a coarse reading at rest repeats itself, which shows nothing. `by_chance` is the number
+    of stretches as lively that would recur by chance, as short windows do elsewhere in these recordings."""
 
     at: int
     start: int
@@ -30,16 +31,22 @@ class Repeat:
     origin: int
     length: int
     lively: int
+    by_chance: float = np.inf
+
+    @property
+    def is_rare(self) -> bool:
+        """Whether chance does not explain it."""
+        return self.by_chance < CHANCE
 
 
 def repeats_of(rows: list[np.ndarray]) -> list[Repeat]:
-    """Repeats in readings (N, C) of each recording that chance does not explain, the longest first."""
+    """Repeats in readings (N, C) of each recording, the longest first."""
     codes = _codes(rows)
     every = sorted(_repeats(codes), key=lambda r: -r.length)
     if not every:
         return []
     expected = _by_chance(codes, every)
-    return [r for r in every if expected(r.lively) < CHANCE]
+    return [replace(r, by_chance=expected(r.lively)) for r in every]
 
 
 def _codes(rows: list[np.ndarray]) -> list[np.ndarray]:
