@@ -142,7 +142,8 @@ def next_steps(v: View, folder: str = "") -> Iterator[str]:
     if any(f.carried for f in v.findings):
         lies = f"in {folder}" if folder else "beside this report"
         as_some = ", for all sessions: remove a cause to simulate sessions without it" * any(f.partly for f in v.findings)
-        yield f"Load model.yaml, {lies}, into the simulated skin: {_carried(v)} named here is in it{as_some}."
+        first = ", of several names for one thing the first" * any(f.alternatives for f in v.findings)
+        yield f"Load model.yaml, {lies}, into the simulated skin: {_carried(v)} named here is in it{first}{as_some}."
     if v.verdict in (PARTLY, UNEXPLAINED):
         yield "See below how the remaining error depends on depth, speed and frequency, and record what the untested causes need."
     for needs in dict.fromkeys(text(e.get("needs")) for e in v.doubts):

@@ -114,7 +114,9 @@ def _headline(v: View) -> Headline:
             down = "No cause could be named beyond doubt." if v.doubts else f"{down[:-1]}, {UNLIKE_DECLARED}."
             title = f"Nothing named, but not settled: {either([named_at(e) for e in v.unsettled], MOST_NAMES)}"
             return Headline("part", title, _above(v, "No cause could be named beyond doubt") or down)
-        return Headline("good", "Nothing wrong found", _above(v, "No cause could be named") or down)
+        if above := _above(v, "No cause could be named"):
+            return Headline("good", "Nothing wrong that could be named", above)
+        return Headline("good", "Nothing wrong found", down)
     if v.verdict == EXPLAINED and not v.judged:
         return Headline("found", f"Explained: {names}", _in_the_record(v))
     if v.verdict == EXPLAINED:
