@@ -157,7 +157,8 @@ def _amounts(cause: str, where: str, entry: dict[str, Any], alone: bool) -> tupl
     """The parameters of a finding, or of one of its alternatives. Where the load cell stands `alone`, those of the part that taxels feel
     are left out."""
     sizes = _felt({str(name).rpartition(".")[2]: size for name, size in mapping(entry.get("parameters")).items()}, alone)
-    of = cause, where, tuple(sizes), tuple(map(text, sequence(mapping(entry.get("evidence")).get("forms"))))
+    forms = sequence(mapping(entry.get("evidence")).get("forms")) or sequence(entry.get("forms"))
+    of = cause, where, tuple(sizes), tuple(map(text, forms))
     words, known = effect_words(*of), declared(*of)
     none = {name: p.neutral for name, p in known.items()}
     return tuple(_amount(name, size, _said(words, name, alone), none.get(name, 0.0)) for name, size in sizes.items())
@@ -194,7 +195,7 @@ def _alternative(a: Any, evidence: dict[str, Any]) -> tuple[str, str, str]:
     if not isinstance(a, dict):
         return text(a), "", ""
     less = finite(_short_by(a))
-    rest = {k: v for k, v in a.items() if k not in ("cause", "where", "channel_clock", "explains_less_by", "short_by", "parameters")}
+    rest = {k: v for k, v in a.items() if k not in ("cause", "where", "channel_clock", "explains_less_by", "short_by", "parameters", "forms")}
     behind = _behind(a, evidence)
     said = [] if less is None else [f"explains {percent(behind)} less" if behind is not None else "explains about as much"]
     return text(a.get("cause")), place_in(a), "; ".join([*said, *([text(rest)] if rest else [])])

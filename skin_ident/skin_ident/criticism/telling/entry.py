@@ -12,11 +12,10 @@ def no_gain(channel: str) -> dict[str, Any]:
     return {"held_out_rmse_before": None, "held_out_rmse_after": None, "ci95": None, "channel": channel, "unit": "N"}
 
 
-def alternative(cause: str, where: str, short_by: float = 0.0, parameters: Mapping[str, Any] | None = None) -> dict[str, Any]:
+def alternative(cause: str, where: str, short_by: float = 0.0, fitted: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """One of `alternatives`: another name for the same finding, by how much less it explains (squared whitened units), and its parameters
-    where it was fitted."""
-    sizes = {"parameters": dict(parameters)} if parameters else {}
-    return {"cause": cause, **where_and_clock(where), "explains_less_by": float(short_by), **sizes}
+    and forms where it was `fitted`."""
+    return {"cause": cause, **where_and_clock(where), "explains_less_by": float(short_by), **(fitted or {})}
 
 
 @dataclass(frozen=True, kw_only=True)

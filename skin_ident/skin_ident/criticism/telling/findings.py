@@ -145,17 +145,18 @@ def _alternatives(named: Named) -> list[dict[str, Any]]:
         key = a.cause, word_of(a.where)
         nearest[key] = min(a, nearest.get(key, a), key=lambda rival: rival.short_by)
     nearest.pop((named.cause, word_of(named.where)), None)
-    return [alternative(*a.key, a.short_by, _sizes_of(a, named)) for a in nearest.values()]
+    return [alternative(*a.key, a.short_by, _fitted(a, named)) for a in nearest.values()]
 
 
-def _sizes_of(rival: Rival, named: Named) -> dict[str, Any]:
-    """Parameters of a rival in its own model; {} where it was not fitted as an effect."""
+def _fitted(rival: Rival, named: Named) -> dict[str, Any]:
+    """Parameters and forms of a rival in its own model; {} where it was not fitted as an effect."""
     had = named.before.effects if named.before is not None else ()
     new = [(i, e) for i, e in enumerate(rival.model.effects) if e not in had] if rival.model is not None else []
     mine = [(i, e) for i, e in new if e.key == rival.key]
-    return {
+    sizes = {
         rival.model.listed_as(i, p.name).rsplit(".", 1)[1]: {"value": p.value, "unit": p.unit} for i, e in mine for p in parameters_of(e)
     }
+    return {"parameters": sizes, "forms": [type(e).__name__ for _, e in mine]} if sizes else {}
 
 
 def seen(symptom: Symptom) -> dict[str, Any]:
