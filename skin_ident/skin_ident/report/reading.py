@@ -13,6 +13,7 @@ from skin_ident.report.words import advice, declared, effect_words, label, meani
 
 LONE = "taxel_alone"  # the place of a lone taxel, in words.PLACES
 PLACED = ("findings", "excluded", "untestable")  # entries of findings.json that hold places
+TOLD_ELSEWHERE = ("cause", "where", "channel_clock", "explains_less_by", "short_by", "parameters", "forms")  # of an alternative
 _KNOWN = {
     "schema",
     "recordings",
@@ -195,7 +196,7 @@ def _alternative(a: Any, evidence: dict[str, Any]) -> tuple[str, str, str]:
     if not isinstance(a, dict):
         return text(a), "", ""
     less = finite(_short_by(a))
-    rest = {k: v for k, v in a.items() if k not in ("cause", "where", "channel_clock", "explains_less_by", "short_by", "parameters", "forms")}
+    rest = {k: v for k, v in a.items() if k not in TOLD_ELSEWHERE}
     behind = _behind(a, evidence)
     said = [] if less is None else [f"explains {percent(behind)} less" if behind is not None else "explains about as much"]
     return text(a.get("cause")), place_in(a), "; ".join([*said, *([text(rest)] if rest else [])])
