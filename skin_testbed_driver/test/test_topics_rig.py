@@ -106,7 +106,7 @@ def test_zero_finds_the_surface_with_a_foreign_load_cell(graph):
     hardware = Hardware(graph)
     answer = graph.call(Zero, "testbed_driver/zero")
     assert answer.success, answer.message
-    assert answer.shift == pytest.approx(2e-5, abs=2e-5)
+    assert answer.shift == pytest.approx(0.0, abs=1e-5)
     assert min(m.wrench.force.z for m in hardware.force) > -3.0
 
 
