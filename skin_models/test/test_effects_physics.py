@@ -228,7 +228,7 @@ def test_creep_goes_on_under_load_and_comes_back_without():
 def test_a_delay_and_a_skew_shift_a_line_exactly():
     t = np.arange(0.0, 20.0, 0.01)
     s, line = at_times(np.zeros(t.size), 0.01), np.array([5.0 * t, -t])
-    late = SkewedClock(where="clock_taxels", skew=1000.0).batch(TimeShift(where="clock_taxels", delay=0.0334).batch(line, s), s)
+    late = SkewedClock(where="clock_taxels", delay=0.0334, skew=1000.0).batch(line, s)
     assert late[:, 10:] == pytest.approx(np.array([[5.0], [-1.0]]) * (t - 0.0334 - 1e-3 * t)[10:])
     early = TimeShift(where="clock_taxels", delay=-0.0334).batch(line, s)
     assert early[0, :-10] == pytest.approx(5.0 * (t + 0.0334)[:-10])

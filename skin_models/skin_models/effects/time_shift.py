@@ -1,7 +1,7 @@
 """Time shift: a channel is late, or its clock runs at another rate.
 
     shift          y'(t) = y(t - delay)
-    skewed         y'(t) = y(t - skew T)                T: time since the first sample
+    skewed         y'(t) = y(t - delay - skew T)        T: time since the first sample
     jitter         y'(t) = y(t - J u)                   u: drawn afresh at every sample, evenly from 0 to 1
     scanned        y'[i](t) = y[i](t - i s)             taxel i is read so long after taxel 0
 
@@ -63,23 +63,25 @@ class SkewedClock(Dynamic):
     form: ClassVar[str] = "skewed"
     places: ClassVar = PLACES
     source: ClassVar[str] = "Laakso et al. 1996, with a delay that grows"
+    refines: ClassVar[type] = TimeShift
 
     skew: float = quantity("ppm", 0.0, lower=-1e4, upper=1e4, typical=200.0, doc="how much later it gets with time")
+    delay: float = quantity("s", 0.0, lower=-1.0, upper=1.0, typical=0.001, doc="how late the channel is at first")
 
     def initial(self, rng=None) -> tuple[int, tuple]:
         """Number of samples so far, and the last of them, newest last: 0 and none."""
         return 0, ()
 
     def step(self, state, y, s: Sample, dt: float):
-        """y(t - skew T), looked up among the samples kept; the present one where that is still to come."""
+        """y(t - delay - skew T), looked up among the samples kept; the present one where that is still to come."""
         n, past = state
-        late = 1e-6 * self.skew * n
+        late = self.delay / dt + 1e-6 * self.skew * n
         past = _remembered(past, y, late)
         return (n + 1, past), _looked_up(past, late)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """y at the shifted times; also for a channel that is early."""
-        return _shifted(y, (1.0 - 1e-6 * self.skew) * np.arange(len(s)))
+        return _shifted(y, (1.0 - 1e-6 * self.skew) * np.arange(len(s)) - self.delay / s.dt)
 
 
 @dataclass(frozen=True)
