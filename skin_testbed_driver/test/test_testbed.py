@@ -12,7 +12,7 @@ from skin_testbed_driver.rigs.simulated import SimulatedRig
 from skin_testbed_driver.safety import CommandError, Limits
 from skin_testbed_driver.testbed import Testbed
 from skin_testbed_driver.trajectory import Trajectory
-from skin_testbed_driver.zeroing import ZeroSettings, onset
+from skin_testbed_driver.zeroing import ZeroSettings
 
 SILICONE = Model(Dispersion(m=0.000432, b1=939.5, k1=9619.0, b2=629.2, k2=2766.0))
 PERIOD = 0.01
@@ -85,13 +85,6 @@ def test_the_surface_is_where_the_force_begins_to_rise_and_the_thesis_finds_it_d
         bench.run(45.0)
     assert found[0].value == pytest.approx(5e-4, abs=5e-6)
     assert found[1].value == pytest.approx(5e-4 + 19e-6, abs=6e-6)
-
-
-def test_a_line_that_begins_at_the_surface_is_found_in_noise():
-    rng = np.random.default_rng(3)
-    x = np.linspace(-1e-4, 6e-5, 700)
-    u = 0.3 + 800.0 * np.maximum(x - 2e-6, 0.0) + rng.normal(0.0, 2e-3, x.size)
-    assert onset([*zip(x, u, strict=True)]) == pytest.approx(2e-6, abs=1.5e-6)
 
 
 def test_zero_without_anything_below_says_so():

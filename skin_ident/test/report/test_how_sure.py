@@ -95,3 +95,12 @@ def test_a_load_cell_that_stands_alone_divides_no_stiffness_by_what_taxels_feel(
     assert "271" in size and ("taxels)" in size) is not alone
     ruled_out = size_ruled_out(told.view.excluded[0], told.view)
     assert "41.0" in ruled_out and ("taxels)" in ruled_out) is not alone
+
+
+@pytest.mark.parametrize(("form", "says"), [("Densification", "added beyond the onset"), ("Plateau", "lost on the plateau")])
+def test_a_rivals_parameters_are_in_the_words_of_its_own_form(form, says):
+    """Two forms of one cause call different things by one name."""
+    entry = rivals(("position_offset", "rig"), ("nonlinear_stiffness", "skin"))
+    entry["alternatives"][0] |= {"parameters": {"k_sensed": {"value": -1490.0, "unit": "N/m"}}, "forms": [form]}
+    wrong = tell(examples.Outcome(findings("explained", entries=[entry]))).story.wrong
+    assert any(says in w.size for w in wrong)

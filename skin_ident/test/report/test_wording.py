@@ -244,15 +244,6 @@ def test_what_may_be_nothing_is_no_size():
     assert wrong.name == "Time shift of the clock of the encoder" and "0.8" in wrong.size and "later it gets" not in wrong.size
 
 
-@pytest.mark.parametrize(("form", "says"), [("Densification", "added beyond the onset"), ("Plateau", "lost on the plateau")])
-def test_a_rivals_parameters_are_in_the_words_of_its_own_form(form, says):
-    """Two forms of one cause call different things by one name."""
-    entry = rivals(("position_offset", "rig"), ("nonlinear_stiffness", "skin"))
-    entry["alternatives"][0] |= {"parameters": {"k_sensed": {"value": -1490.0, "unit": "N/m"}}, "forms": [form]}
-    wrong = tell(examples.Outcome(findings("explained", entries=[entry]))).story.wrong
-    assert any(says in w.size for w in wrong)
-
-
 def test_where_no_motion_helps_it_is_said_what_a_person_can_do():
     nothing = {"separating_experiment": "none tells them apart", "separating_evidence": {"expected": 2.0, "recorded": 1.0}}
     entry = rivals(("lag", "taxel_1"), ("time_shift", "clock"), advice="remove the filter", **nothing)
