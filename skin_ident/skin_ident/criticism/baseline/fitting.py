@@ -83,10 +83,12 @@ def fit(
     if not which:
         return Fit(model, (), {}, cost, believed)
     J, scale = slopes or _slopes(model, sessions, noise, which)
-    amounts = np.array([u.parameter.role != SHAPE for u in which])
-    inside = _inside(model, which)
-    every, some, in_shape = (_standard_errors(J, scale, which, cost, free) for free in (inside | True, inside, inside & amounts))
-    return Fit(model, which, every | some, cost, believed, in_shape)
+    left = max(int(np.count_nonzero(np.any(J != 0.0, axis=1))) - len(which), 1)
+    gram, variance = J.T @ J, cost / left
+    inside, amounts = _inside(model, which), np.array([u.parameter.role != SHAPE for u in which])
+    masks = np.ones(len(which), bool), inside, inside & amounts
+    every, within, in_shape = (_standard_errors(gram, variance, scale, which, free) for free in masks)
+    return Fit(model, which, every | within, cost, believed, in_shape)
 
 
 def approached(model: Model, sessions: list[Session], noise: Whitener, iterations: int, which: tuple[Unknown, ...]) -> Model:
@@ -178,13 +180,15 @@ def _inside(model: Model, which: tuple[Unknown, ...]) -> np.ndarray:
     return theta > lowest(which, theta) + NEAR * np.abs(theta)
 
 
-def _standard_errors(J: np.ndarray, scale: np.ndarray, which: tuple[Unknown, ...], cost: float, free: np.ndarray) -> dict[str, float]:
+def _standard_errors(
+    gram: np.ndarray, variance: float, scale: np.ndarray, which: tuple[Unknown, ...], free: np.ndarray
+) -> dict[str, float]:
     """Standard errors of the unknowns that are `free`, a mask (U,), with all others held fixed; 0 for those that change nothing. Those that
-    only a combination of others tells from none have very large ones, where a pseudoinverse would give none."""
-    rows, J = max(int(np.count_nonzero(np.any(J != 0.0, axis=1))) - len(which), 1), J[:, free]
-    norm = np.linalg.norm(J, axis=0)
+    only a combination of others tells from none have very large ones, where a pseudoinverse would give none. `gram` (U, U) is J'J, and
+    `variance` that of a whitened residual."""
+    gram = gram[np.ix_(free, free)]
+    norm = np.sqrt(np.diag(gram))
     norm[norm == 0.0] = np.inf
-    size, turned = np.linalg.eigh((J / norm).T @ (J / norm))
-    variance = np.sum(turned**2 / np.maximum(size, SINGULAR), axis=1) * cost / rows
-    labels = [u.label for u, f in zip(which, free, strict=True) if f]
-    return dict(zip(labels, (np.sqrt(variance) * scale[free] / norm).tolist(), strict=True))
+    size, turned = np.linalg.eigh(gram / np.outer(norm, norm))
+    std = np.sqrt(variance * np.sum(turned**2 / np.maximum(size, SINGULAR), axis=1)) * scale[free] / norm
+    return dict(zip([u.label for u, f in zip(which, free, strict=True) if f], std.tolist(), strict=True))

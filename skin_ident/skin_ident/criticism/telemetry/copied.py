@@ -51,18 +51,18 @@ def _channel_blocks(recordings: list, known: dict[str, np.ndarray]) -> Iterator[
         kept = [at[~known[r.name][at]] for r, (at, _) in zip(recordings, read, strict=True)]
         again = repeats_of([digits[~known[r.name][at]][:, None] for r, (at, digits) in zip(recordings, read, strict=True)])
         again = [_on_grid(r, kept[r.at], kept[r.source]) for r in again]
-        again = [r for r in again if _is_copied(recordings, r, channel)]
+        steps = [r.step(channel) or smallest_step(r.channels[channel]) for r in recordings] if again else []
+        again = [r for r in again if _is_copied(recordings, r, channel, steps[r.at])]
         if again:
             yield _copy(recordings, again, (channel,))
 
 
-def _is_copied(recordings: list, again: Repeat, channel: str) -> bool:
-    """Whether a stretch that repeats in one channel was copied. Many short copies make short windows recur so often that chance seems to
-    explain the long ones as well; but it explains none of noise, as long as the depth does not repeat."""
-    noise = _of_noise(recordings[again.at], again, channel)
-    if again.is_rare:
-        return noise or _moved_otherwise(recordings, again, channel)
-    return noise and recordings[again.at].depth is not None and not _with_its_depth(recordings, again)
+def _is_copied(recordings: list, again: Repeat, channel: str, step: float) -> bool:
+    """Whether a stretch that repeats in one channel, which reads in these steps, was copied. Many short copies make short windows recur so
+    often that chance seems to explain the long ones as well; but it explains none of noise, as long as the depth does not repeat."""
+    if again.is_rare and _moved_otherwise(recordings, again, channel):
+        return True
+    return (again.is_rare or not _with_its_depth(recordings, again)) and _of_noise(recordings[again.at], again, channel, step)
 
 
 def _as_read(recording, channel: str) -> tuple[np.ndarray, np.ndarray]:
@@ -104,11 +104,10 @@ def _moved_otherwise(recordings: list, again: Repeat, channel: str) -> bool:
     return any(2.0 * np.std(d) + abs(np.mean(d)) > ELSEWHERE for d in apart)
 
 
-def _of_noise(recording, again: Repeat, channel: str) -> bool:
+def _of_noise(recording, again: Repeat, channel: str, step: float) -> bool:
     """Whether the stretch holds noise of several converter steps, which does not repeat even where the motion does."""
     here, _ = _places(again)
-    row = recording.channels[channel]
-    return white_noise(row[here]) > NOISY * (recording.step(channel) or smallest_step(row))
+    return white_noise(recording.channels[channel][here]) > NOISY * step
 
 
 def _places(again: Repeat) -> tuple[slice, slice]:
