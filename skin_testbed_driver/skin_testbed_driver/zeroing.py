@@ -27,6 +27,7 @@ from skin_testbed_driver.sensing import Sample
 
 PRESSED = 4.0  # thresholds to which it is pressed where the surface is extrapolated: the line is then longer than its noise is wide
 
+_Way = list[tuple[float, float]]  # depth (m) and voltage (V) of every sample
 _Stages = Generator[None, tuple[Motion, float, float, float], object]
 
 
@@ -79,7 +80,6 @@ class Zeroing:
     def __init__(self, settings: ZeroSettings) -> None:
         """Begin with listening in the air."""
         self._settings = settings
-        self._track: list[tuple[float, float]] = []  # depth (m) and voltage (V) of the way that the plunger is on, or came last
         self._stages = self._run()
         next(self._stages)
 
@@ -96,15 +96,15 @@ class Zeroing:
         _, start, _, _ = yield
         try:
             mean, air = yield from self._listen(max(s.samples // 10, 1))
-            found = yield from self._approach(s.fast, 2.0 * s.threshold, mean, air)
-            yield from self._leave(found - s.back_off, s.fast)
+            *_, (near, _) = yield from self._approach(s.fast, 2.0 * s.threshold, mean, air)
+            yield from self._leave(near - s.back_off, s.fast)
             mean, free = yield from self._listen(s.samples)
             if air - free >= s.threshold:
                 raise _NotFoundError("the plunger pressed on something before the search began: bring it into the air")
             if s.extrapolate:
                 found, how = (yield from self._there_and_back(mean, free)), "the force begins to rise there"
             else:
-                found = yield from self._approach(s.slow, s.threshold, mean, free)
+                *_, (found, _) = yield from self._approach(s.slow, s.threshold, mean, free)
                 how = f"the mean of {counted(s.samples, 'sample')} rose by {s.threshold:g} V"
         except _NotFoundError as error:
             yield from self._leave(start, math.inf)
@@ -115,10 +115,10 @@ class Zeroing:
     def _there_and_back(self, mean: RollingMean, free: float) -> _Stages:
         """Press slowly to some times the threshold and leave as slowly; gives the mean of the depths at which the force began and ended."""
         s = self._settings
-        deepest = yield from self._approach(s.slow, PRESSED * s.threshold, mean, free)
-        coming = self._track
-        yield from self._leave(deepest - s.back_off, s.slow)
-        return 0.5 * (onset(coming) + onset(self._track))
+        coming = yield from self._approach(s.slow, PRESSED * s.threshold, mean, free)
+        deepest, _ = coming[-1]
+        leaving = yield from self._leave(deepest - s.back_off, s.slow)
+        return 0.5 * (onset(coming) + onset(leaving))
 
     def _listen(self, samples: int) -> _Stages:
         """A mean over as many samples, and its first value (V)."""
@@ -129,33 +129,35 @@ class Zeroing:
         return mean, value
 
     def _approach(self, speed: float, threshold: float, mean: RollingMean, air: float) -> _Stages:
-        """Press until contact, in which `mean` differs from `air` (V); gives the depth of contact. Raises `_NotFoundError`."""
+        """Press until contact, in which `mean` differs from `air` (V); gives the way to there. Raises `_NotFoundError`."""
         motion, depth, _, t = yield
-        self._track = []
+        way: _Way = []
         motion.go_to(depth + self._settings.travel, speed, t)
         while not motion.at_rest(t):
             motion, depth, voltage, t = yield
-            self._track.append((depth, voltage))
+            way.append((depth, voltage))
             rise = mean.add(voltage) - air
             if abs(rise) >= threshold:
                 motion.rest(t)
                 if rise < 0.0:  # or it would press on until the limit of force
                     raise _NotFoundError("the load cell says that something pulls at the plunger: check the sign of its force")
-                return depth
+                return way
         raise _NotFoundError(f"no contact within {1e3 * self._settings.travel:g} mm: is there anything below the plunger?")
 
     def _leave(self, depth: float, speed: float) -> _Stages:
+        """Go to a depth, and give the way to there."""
         motion, _, _, t = yield
-        self._track = []
+        way: _Way = []
         motion.go_to(depth, speed, t)
         while not motion.at_rest(t):
             motion, x, voltage, t = yield
-            self._track.append((x, voltage))
+            way.append((x, voltage))
+        return way
 
 
-def onset(track: list[tuple[float, float]]) -> float:
-    """The depth x0 (m) at which the voltage begins to rise, by least squares over the (depth, voltage) of one way."""
-    x, u = np.array(track).T
+def onset(way: _Way) -> float:
+    """The depth x0 (m) at which the voltage begins to rise on one way, by least squares."""
+    x, u = np.array(way).T
 
     def misfit(x0: float) -> float:
         h = np.maximum(x - x0, 0.0)

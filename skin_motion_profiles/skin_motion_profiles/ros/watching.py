@@ -15,8 +15,6 @@ from skin_motion_profiles.ros.streaming import Stream
 
 Result = ExecuteProfile.Result
 _CLOCK_SLACK = 1.0  # s by which the clocks of driver and server may differ
-
-
 _HOW_TO_RESET = "to go on, call its service reset (run skin_testbed_driver call reset)"
 
 
