@@ -41,9 +41,14 @@ SLIPPING = 3e-6  # m, a path so short that skin is not bent by it before it slip
 def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener) -> tuple[Fit, ...]:
     """Add the cause `best` to the fitted model `start`, instance by instance, until another one is not worth its parameters. Return the fit
     with all instances and, where there are several, also the fit with the first alone."""
-    own = tuple(d for d in which if d.key == best.key)
-    present, ranked, first, stages = start, best, 0.0, []
-    for _ in range(MOST):
+    present, first, stages = start, 0.0, []
+    while len(stages) < MOST:
+        own = tuple(d for d in which if d.key == best.key and _adds(d, present.model))
+        if not own:
+            break
+        ranked = best if present is start and best.best in own else survey(present.model, sessions, own, noise).ranked[0]
+        if present is not start and ranked.best_gain < max(INSTANCE, WORTH * first):
+            break
         trial, sessions = _settled(_with_instance(present, ranked, sessions, noise), sessions, noise)
         gained = present.cost - trial.cost
         first = first or gained
@@ -51,12 +56,6 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
             break
         present = _refined(trial, gained, sessions, noise)
         stages.append(present)
-        own = tuple(d for d in own if _adds(d, present.model))
-        if not own:
-            break
-        ranked = survey(present.model, sessions, own, noise).ranked[0]
-        if ranked.best_gain < max(INSTANCE, WORTH * first):
-            break
     return (present, *stages[: len(stages) > 1])
 
 
@@ -141,7 +140,7 @@ def sound_damping(skin: Dispersion) -> tuple[Dispersion, float]:
 
 
 def _begun_at(d: Direction, amount: float, present: Fit, sessions: list[Session], noise: Whitener) -> Fit:
-    model = present.model.extended(_ready(d, amount, sessions[0]))
+    model = _extended(present.model, _ready(d, amount, sessions[0]))
     new = len(model.effects) - 1
     sizes = tuple(u for u in unknowns(model, sessions[0]) if not (u.part == new and u.parameter.role == SHAPE))
     return fit(approached(model, sessions, noise, AT_SHAPE, sizes), sessions, noise)
@@ -214,7 +213,20 @@ def _ready(d: Direction, amount: float, session: Session) -> Effect:
     return d.effect.with_values(**clipped(type(d.effect), **values))
 
 
+def _extended(model: Model, effect: Effect) -> Model:
+    """The model with one more effect, which takes the place of its plain form where that has sizes alone: a delay beside a skewed clock,
+    which has a delay of its own, is determined by nothing."""
+    plain = next((e for e in model.effects if type(e) is effect.refines and e.where == effect.where and not _shaped(e)), None)
+    if plain is None:
+        return model.extended(effect)
+    kept = tuple(e for e in model.effects if e is not plain)
+    return replace(model, effects=(*kept, effect.with_values(**plain.values)))
+
+
 def _adds(d: Direction, model: Model) -> bool:
     """Whether another instance could add anything new: two delays are one delay, but two relaxation times are two."""
-    shaped = any(p.role == SHAPE for p in parameters_of(d.effect))
-    return shaped or not any(type(d.effect) in (type(e), e.refines) and e.where == d.where for e in model.effects)
+    return _shaped(d.effect) or not any(type(d.effect) in (type(e), e.refines) and e.where == d.where for e in model.effects)
+
+
+def _shaped(effect: Effect) -> bool:
+    return any(p.role == SHAPE for p in parameters_of(effect))
