@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from making import noise, recording
 
+from skin_ident.cli.fit import main
 from skin_ident.estimators.calibration import as_rig_yaml, calibrate, fit_line, stiffness
 from skin_ident.estimators.errors import FitError
 from skin_ident.recordings.declared import declared_from
@@ -32,6 +33,15 @@ def test_standard_error_matches_the_scatter(rho):
 def test_stiffness_of_a_slow_press():
     slopes = stiffness([recording(hz=0.01, n=10000, sigma=0.01)])
     assert slopes["force"].slope == pytest.approx(12385, rel=0.01) and slopes["taxel_0"].slope == pytest.approx(9619, rel=0.01)
+
+
+def test_what_is_calibrated_is_not_told_to_lack_a_calibration(tmp_path, capsys):
+    r = stairs()
+    rows = np.column_stack([r.t, r.force, r.taxels[0]])
+    np.savetxt(tmp_path / "s.csv", rows, delimiter=",", header="time_s,force_n,taxel_0_v", comments="")
+    assert main([str(tmp_path / "s.csv"), "--what", "calibration"]) == 0
+    said = capsys.readouterr().out
+    assert "slope_n_per_v: 9." in said and "no calibration" not in said
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import itertools
 import shutil
 import signal
+import time
 from pathlib import Path
 
 import pytest
@@ -63,6 +64,20 @@ def test_a_session_reads_back_as_it_was_heard_by_both_libraries(graph, tmp_path)
             assert schema.encoding == "ros2msg" and channel.message_encoding == "cdr"
             again[channel.topic].append(message.data)
     assert again == raw
+
+
+def test_what_begins_once_a_rig_is_said_to_be_recorded_is_recorded_whole(graph, tmp_path):
+    graph.driver(time_scale=1.0)
+    recorder = record(graph, tmp_path / "s")
+    recorder.wait_for_output("encoder, force and taxels are being recorded", 60.0)
+    said = time.time_ns()
+    time.sleep(1.0)
+    assert recorder.end(30.0) == 0
+    with AnyReader([tmp_path / "s"]) as reader:
+        for topic in STREAMS:
+            connections = [c for c in reader.connections if c.topic == topic]
+            first = next(stamp_ns(reader.deserialize(data, c.msgtype)) for c, _, data in reader.messages(connections))
+            assert first <= said, topic
 
 
 def test_no_sample_is_missing_between_the_first_and_the_last(graph, tmp_path):

@@ -9,6 +9,7 @@ from skin_ident.estimators.calibration import Line, as_rig_yaml, calibrate, stif
 from skin_ident.estimators.estimate import HALF_95
 from skin_ident.estimators.figures import figures, plus_minus
 from skin_ident.estimators.prony import Arm, PronyFit, fit_prony
+from skin_ident.recordings.assemble import UNCALIBRATED
 from skin_ident.recordings.carried import said_of
 from skin_ident.recordings.recording import Recording
 from skin_models.model_file import save_model
@@ -53,7 +54,8 @@ def _lines(what: str, recordings: Sequence[Recording], lines: Mapping[str, Line]
         for name, line in lines.items()
     ]
     out += ["for rig.yaml:", as_rig_yaml(dict(lines)).rstrip()] if what == CALIBRATION else []
-    return out + [f"note: {w}" for w in _sources(recordings)["warnings"]]
+    told = [w for w in _sources(recordings)["warnings"] if what != CALIBRATION or UNCALIBRATED not in w]  # which is what is asked for
+    return out + [f"note: {w}" for w in told]
 
 
 def _prony(recordings: Sequence[Recording], out: str | None, arms: int | None) -> int:

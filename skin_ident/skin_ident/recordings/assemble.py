@@ -19,6 +19,7 @@ from skin_models.tables.table import check_load, check_span
 
 SLOWEST, LONGEST = 1.0, 1000.0  # s between samples, and in all; where both are exceeded, the unit of time is questioned
 FLAT, WIDE = 0.07, 0.15  # a load that varies this little (relative) over this share of the depth's range is not in contact there
+UNCALIBRATED = "is in volts and has no calibration"
 DEAD = "most of its samples are no numbers"
 PROBES = 1000  # samples that are checked for NaN first
 
@@ -178,7 +179,7 @@ def _calibrated(t: np.ndarray, part: Channels, declared: Declared, notes: list[s
     if rest.names and rest.kind == "force":
         raise RecordingError(f"{rest.names[0]} is in volts: declare its slope_n_per_v under calibration in rig.yaml")
     notes += [
-        f"{n} is in volts and has no calibration: it is taken for a taxel and used as it is, so that N means V there. If it is the load "
+        f"{n} {UNCALIBRATED}: it is taken for a taxel and used as it is, so that N means V there. If it is the load "
         f"cell, declare in rig.yaml calibration: {{{n}: {{channel: force, slope_n_per_v: …}}}}; if a taxel, its slope_n_per_v"
         for n in rest.names
     ]

@@ -141,7 +141,9 @@ def longest_stretch(track: Track, name: str) -> Track:
         raise RecordingError(f"{name}: no stretch of it holds numbers in every channel")
     left = track.t.size - keep.sum()
     what = f"kept the longest stretch without a gap ({counted(keep.sum(), 'sample')}), left {counted(left, 'sample')} out"
-    return track.kept(keep, f"{counted(cuts.sum(), 'gap')} in time, {counted(_runs(bad), 'long run')} of missing numbers: {what}")
+    why = [f"{counted(cuts.sum(), 'gap')} in time"] if cuts.any() else []
+    why += [f"{counted(_runs(bad), 'long run')} of missing numbers"] if bad.any() else []
+    return track.kept(keep, f"{', '.join(why)}: {what}")
 
 
 def _bridged(track: Track, name: str) -> Track:

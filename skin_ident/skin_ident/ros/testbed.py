@@ -11,9 +11,10 @@ from typing import Any
 from skin_models.errors import SkinError
 from skin_models.ros.processes import Domain, Processes
 
-# Without a search for the surface: it ends where the load cell first feels it, some 15 um deep, and the diagnosis would rightly name that
-# offset. The tare takes 10 s: a mean over one second is 5 mN off in one of three cases, and the diagnosis would name that, too.
+# Without a search for the surface, which the simulated rig knows and a search would find within some 3 um. The tare takes 10 s: a mean over
+# one second is 5 mN off in one of three cases, and the diagnosis would name that.
 TARE = "{type: battery, profiles: [{type: free_air, clearance_mm: 1.0, duration_s: 0.5}, {type: tare, duration_s: 10}]}"
+READY = "ready|sampling at|being recorded"  # what a node says when a session may begin
 PATIENCE = 30.0  # s until a node is ready: a busy machine needs a while to import
 
 
@@ -62,7 +63,7 @@ class Testbed:
 
     def _ready(self, package: str, name: str, parameters: Mapping[str, Any], remap: Mapping[str, str] | None = None):
         process = self.processes.start(package, name, parameters=parameters, remap=remap)
-        process.wait_for_output("ready|recording to|sampling at", PATIENCE)
+        process.wait_for_output(READY, PATIENCE)
         return process
 
     def __enter__(self) -> "Testbed":

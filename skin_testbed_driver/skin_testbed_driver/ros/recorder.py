@@ -3,10 +3,11 @@
     ros2 run skin_testbed_driver recorder --ros-args -p directory:=session_1
     ros2 run skin_testbed_driver recorder --ros-args -p "topics:=[force, encoder, taxels]"
 
-Subscriptions take messages as they were sent, without decoding, and callbacks write them: a second thread would hold the interpreter
-for whole chunks while messages wait to be taken. Topics that appear later are recorded from then on. The recording ends with SIGINT,
-SIGTERM or the service `~/stop`. Topics that were asked for and brought nothing are named; where none are asked for, these are the encoder,
-force and taxels of a rig. Exit status 2 says that nothing at all came, or that nothing could be written any more.
+Subscriptions take messages as they were sent, without decoding, and callbacks write them: a second thread would hold the interpreter for
+whole chunks while messages wait to be taken. Topics that appear later are recorded from then on. The recording ends with SIGINT, SIGTERM or
+the service `~/stop`. It says when messages of all topics that were asked for can come, and at the end which brought nothing; where none are
+asked for, these are the encoder, force and taxels of a rig. Exit status 2 says that nothing at all came, or that nothing could be written
+any more.
 """
 
 import datetime
@@ -63,7 +64,7 @@ class Recorder(Node):
         rig = _read_rig(self._settings.rig_file)
         self._bag = BagWriter(self._settings.directory or datetime.datetime.now().strftime("session_%Y-%m-%d_%H-%M-%S"))
         self._known: set[str] = set()
-        self._complete = False  # every topic asked for was seen
+        self._complete = False  # every topic asked for was seen, by default those of a rig
         self._describe(rig)
         self._failed = False
         self._look()
@@ -108,7 +109,7 @@ class Recorder(Node):
 
     def _absent(self, there: Iterable[str]) -> str:
         """What of a rig is not among the topics `there`, in words; empty where topics were asked for by name."""
-        names = {name.rpartition("/")[2] for name in there}
+        names = set(map(_last, there))
         return "" if self._wanted else ", ".join(name for name in _RIG if name not in names)
 
     def _describe(self, rig: bytes | None) -> None:
@@ -128,13 +129,20 @@ class Recorder(Node):
                 self._known.add(name)
                 self._subscribe(name, types[0])
         self._descriptions.look(graph, self._known)
-        if not self._complete and self._wanted and self._wanted <= self._matched():
+        if not self._complete and self._has_all(self._coming()):
             self._complete = True
-            self.get_logger().info("every topic asked for is being recorded")
+            what = "every topic asked for is" if self._wanted else f"{', '.join(_RIG[:-1])} and {_RIG[-1]} are"
+            self.get_logger().info(f"{what} being recorded")
 
-    def _matched(self) -> set[str]:
-        """The topics from which messages come."""
-        return {s.topic_name for s in self.subscriptions if s.get_publisher_count()}
+    def _has_all(self, there: set[str]) -> bool:
+        """Whether the topics `there` hold what was asked for, by default those of a rig."""
+        return self._wanted <= there and not self._absent(there)
+
+    def _coming(self) -> set[str]:
+        """The topics that have a publisher and, for a rig's streams, a message: a publisher finds a subscription later than it is found."""
+        heard = self._bag.heard()
+        there = (s.topic_name for s in self.subscriptions if s.get_publisher_count())
+        return {name for name in there if name in heard or _last(name) not in _RIG}
 
     def _is_wanted(self, name: str) -> bool:
         if self._settings.topics:
@@ -177,6 +185,11 @@ class Recorder(Node):
         response.success, response.message = True, f"{counted(sum(self._bag.counts), 'message')} in {self._bag.directory}"
         end()
         return response
+
+
+def _last(topic: str) -> str:
+    """The name of a topic without its namespace."""
+    return topic.rpartition("/")[2]
 
 
 def _message_class(type_name: str) -> type:
