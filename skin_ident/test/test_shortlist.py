@@ -9,19 +9,25 @@ def cause(name: str, score: float) -> SimpleNamespace:
     return SimpleNamespace(cause=name, where="skin", key=(name, "skin"), score=score)
 
 
-def listed(ranked, ruled_out=(), known=(), suspected=()) -> list[str]:
+def listed(ranked, ruled_out=(), known=(), suspected=(), count=0) -> list[str]:
     """Names in the order of the list, where a refit keeps what the ranking promised."""
 
     def tried(causes):
         return (SimpleNamespace(ranked=r, key=r.key, score=r.score) for r in causes if r.cause not in ruled_out)
 
     keys = ({(name, "skin") for name in names} for names in (known, suspected))
-    return [t.ranked.cause for t in shortlisted(ranked, tried, *keys)]
+    return [t.ranked.cause for t in shortlisted(ranked, tried, *keys, count)]
 
 
 def test_the_best_few_are_tried_and_none_that_explains_far_less():
     ranked = [cause(f"c{i}", 100.0 - i) for i in range(2 * LONGEST)] + [cause("far", 10.0)]
     assert listed(ranked) == [f"c{i}" for i in range(SHORTLIST)]
+
+
+def test_more_are_tried_where_the_best_explains_many_times_the_noise():
+    ranked = [cause(f"c{i}", 1000.0 - i) for i in range(2 * LONGEST)]
+    assert listed(ranked, count=50) == [f"c{i}" for i in range(LONGEST)]
+    assert listed(ranked, count=500) == [f"c{i}" for i in range(SHORTLIST)]
 
 
 def test_those_that_rank_next_are_tried_where_physics_rules_out_all_that_rank_highest():

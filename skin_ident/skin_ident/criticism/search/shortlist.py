@@ -10,24 +10,31 @@ from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.vocabulary import CAUSES, Key
 
 SHORTLIST, LONGEST = 4, 7  # causes that are refitted before one is chosen; and the same with those that physics rules out
+LARGE = 9.0  # times all noise, from which LONGEST are refitted: small amounts, by which causes are ranked, say little of what large ones do
 TIED = 4.0  # twice nats: a likelihood ratio of seven
 ORDER = {cause.name: i for i, cause in enumerate(CAUSES)}
 WITHIN = 0.35  # share of the best score, below which no refit makes up for the difference
 
 
 def shortlisted(
-    ranked: Sequence[Ranked], tried: Callable[[Iterable[Ranked]], Iterator[Trial]], known: set[Key], suspected: set[Key]
+    ranked: Sequence[Ranked],
+    tried: Callable[[Iterable[Ranked]], Iterator[Trial]],
+    known: set[Key],
+    suspected: set[Key],
+    count: int = 0,
 ) -> list[Trial]:
     """The most promising causes as trials, the best first, and of equals the commoner. `tried` fits them and leaves out what physics rules
     out.
 
+    - More causes are tried where the best explains many times the noise of the `count` whitened samples.
     - A cause that is `known` already is tried wherever it ranks, and goes before rivals that it equals.
     - A likelier place of the same cause goes before another.
     - A cause that is `suspected`, because the record itself has shown it, goes first if it reaches `WITHIN` of the best score.
     """
     shown = [r for r in ranked if r.key in suspected - known and r.score > 0.0]
     others = [r for r in ranked if r.score > 0.0 and r not in shown]
-    trials = [*tried(shown), *_best(others, tried, known)]
+    most = LONGEST if count and ranked and ranked[0].score > LARGE * count else SHORTLIST
+    trials = [*tried(shown), *_best(others, tried, known, most)]
     enough = WITHIN * max((t.score for t in trials), default=0.0)
     trials.sort(key=lambda t: (t.ranked not in shown or t.score < enough, -t.score))
     trials = trials if trials and trials[0].ranked in shown else _commoner_first(trials)
@@ -44,16 +51,18 @@ def _commoner_first(trials: list[Trial]) -> list[Trial]:
     return trials if first is None else [first, *(t for t in trials if t is not first)]
 
 
-def _best(ranked: Sequence[Ranked], tried: Callable[[Iterable[Ranked]], Iterator[Trial]], known: set[Key]) -> list[Trial]:
-    """Trials of the best few causes, and of those near them that are known. Causes that physics rules out are no measure for the others:
+def _best(
+    ranked: Sequence[Ranked], tried: Callable[[Iterable[Ranked]], Iterator[Trial]], known: set[Key], most: int = SHORTLIST
+) -> list[Trial]:
+    """Trials of the best few causes, at most `most`, and of those near them that are known. Causes that physics rules out are no measure for the others:
     where the best is ruled out, those near the next best are tried; where all are, those that rank next."""
     near = [r for r in ranked if r.score > WITHIN * ranked[0].score]
     queue, after = iter(near[:LONGEST]), ranked[len(near) :]
-    trials = list(islice(tried(queue), SHORTLIST))
+    trials = list(islice(tried(queue), most))
     trials += tried([r for r in (*queue, *near[LONGEST:]) if r.key in known])
     if not trials:
-        return _best(after, tried, known) if after else []
+        return _best(after, tried, known, most) if after else []
     best = max(t.ranked.score for t in trials)
     if best < ranked[0].score:
-        trials += islice(tried(r for r in after[:LONGEST] if r.score > WITHIN * best), max(SHORTLIST - len(trials), 0))
+        trials += islice(tried(r for r in after[:LONGEST] if r.score > WITHIN * best), max(most - len(trials), 0))
     return trials

@@ -143,7 +143,7 @@ class Search:
             return (t for t in map(self._possible, causes) if t)
 
         ranked = [r for r in last.ranked if r.key not in self.dropped]
-        trials = shortlisted(ranked, tried, {n.key for n in self.named}, self.suspected)
+        trials = shortlisted(ranked, tried, {n.key for n in self.named}, self.suspected, self.present.count)
         self.grown = {t.key: t.fit for t in trials if t.score > 0.0}
         return trials
 
