@@ -87,6 +87,9 @@ def test_table_to_bag_to_table_is_the_same_table(tmp_path):
     way_out = tmp_path / "other" / "third_table" / "third.tsv"
     assert refused.stderr.endswith(f"such as --out {way_out}\n")
     assert run("export_table", tmp_path / "bag", "--out", way_out).returncode == 0 and way_out.is_file()
+    (tmp_path / "bag" / "rig.yaml").unlink()
+    doubted = run("export_table", tmp_path / "bag", "--out", tmp_path / "other" / "third.tsv")
+    assert doubted.returncode == 0 and f"{tmp_path / 'other' / 'rig.yaml'} lies there already" in doubted.stderr
 
 
 def test_what_cannot_be_used_ends_with_one_sentence_and_status_2(tmp_path):

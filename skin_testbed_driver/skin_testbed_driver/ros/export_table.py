@@ -70,7 +70,9 @@ def main() -> None:
         sys.exit(_complain("export_table", error))
     except OSError as error:
         sys.exit(_complain("export_table", RigError(f"cannot write {out}: {error.strerror}")))
-    for warning in recorded.warnings:
+    beside = out.parent / "rig.yaml"
+    strange = [f"{beside} lies there already and will be read with the table: is it of this rig? The recording has none"]
+    for warning in (*recorded.warnings, *(strange if beside.exists() and beside not in written else [])):
         _complain("export_table", warning)
     print(f"{counted(recorded.depth.t.size, 'sample')}: wrote {' and '.join(str(file.absolute()) for file in written)}")
 
