@@ -34,6 +34,13 @@ def test_a_level_that_was_measured_in_the_air_is_true_of_noise_of_any_colour(pol
     assert told([wandering(rng, pole) for _ in CHANNELS]) == []
 
 
+@pytest.mark.parametrize(("times", "too_loud"), [((1.6, 1.4, 1.6), (0, 1, 2)), ((1.6, 1.2, 1.6), (0, 2)), ((1.4, 1.4, 1.4), ())])
+def test_a_taxel_nearly_too_loud_is_told_with_most_of_the_others(times, too_loud):
+    rng = np.random.default_rng(9)
+    noise = [LEVEL * n * rng.standard_normal(T.size) for n in (1.4, *times)]
+    assert told(noise) == [(f"taxel_{i}", "level") for i in too_loud]
+
+
 @pytest.mark.parametrize("odd", range(4))
 def test_one_channel_that_wanders_among_white_ones_is_odd(odd):
     rng = np.random.default_rng(2)

@@ -7,9 +7,10 @@ the force, where that drives the test), or from what all channels share of such 
 
     expected^2 = declared^2 + q^2 / 12 + u^2.
 
-Noise that is less than `OTHER_LEVEL` times as loud as expected still counts as too loud in one channel if the others are as declared. A
-declared level says nothing about colour or load: noise measured in air may be declared truly and still wander. So colour and growth are
-compared with those of the other channels with a declared level, and a channel is odd if it is unlike most of them.
+Noise that is less than `OTHER_LEVEL` times as loud as expected still counts as too loud in one channel if the others are as declared, and
+in a taxel if most of the others are too loud. A declared level says nothing about colour or load: noise measured in air may be declared
+truly and still wander. So colour and growth are compared with those of the other channels with a declared level, and a channel is odd if it
+is unlike most of them.
 
 An encoder error as large as the declared noise makes any noise coloured and load-dependent; then only the level is judged. Noise read
 through steps as wide as itself shows now as nothing, now as a whole step; then only a level that is too high counts.
@@ -203,8 +204,14 @@ def _unlike(look: _Look, others: list[_Look]) -> _Unlike | None:
     grows = bool(peers) and look.times_under_load > GROWN and np.median([o.times_under_load for o in peers]) < STEADY
     wanders = bool(peers) and look.colour > COLOURED and np.median([o.colour for o in peers]) < WHITE
     as_declared = bool(peers) and np.median([o.times_expected for o in peers]) < look.times_expected / LOUDER
-    louder = LOUDER if as_declared else OTHER_LEVEL
+    louder = LOUDER if as_declared or _most_are_too_loud(look, others) else OTHER_LEVEL
     return (_growing(look) if grows else None) or (_wandering(look) if wanders else None) or _of_another_level(look, louder)
+
+
+def _most_are_too_loud(look: _Look, others: list[_Look]) -> bool:
+    """Whether `look` is of a taxel, and most of the other taxels are too loud: then less is enough for this one, too."""
+    taxels = [o.times_expected > OTHER_LEVEL for o in others if o.channel != "force" and o.e.size >= FEWEST]
+    return look.channel != "force" and 2 * sum(taxels) > len(taxels)
 
 
 def _growing(look: _Look) -> _Unlike:
