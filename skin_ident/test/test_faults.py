@@ -283,6 +283,17 @@ def test_what_some_taxels_have_or_each_in_another_way_is_told_of_each():
     assert one["parameters"]["amplitude"]["value"] == 0.02 and set(one["evidence"]["of_each_taxel"]) == set(one["channels"])
 
 
+@pytest.mark.parametrize(("times", "together"), [((1.6, 1.4, 1.5), True), ((1.6, 3.0, 1.5), False)])
+def test_taxels_that_are_about_as_loud_are_one_finding(times, together):
+    gain = {"held_out_rmse_before": None, "held_out_rmse_after": None}
+    loud = [
+        {"cause": "noise", "where": f"taxel_{i}", "channels": [f"taxel_{i}"], "parameters": {"times_expected": {"value": n, "unit": "1"}},
+         "evidence": {"why": "loud"}, "gain": gain}
+        for i, n in enumerate(times)
+    ]  # fmt: skip
+    assert [e["where"] for e in in_all_taxels(loud, 3)] == (["taxel"] if together else ["taxel_0", "taxel_1", "taxel_2"])
+
+
 def test_columns_that_are_exchanged_in_several_sessions_are_one_finding():
     def entry(session, channels=("taxel_0", "taxel_2")):
         pieces = [{"session": session, "start": 0.0, "seconds": 12.0}]

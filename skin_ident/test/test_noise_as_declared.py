@@ -19,12 +19,12 @@ def wandering(rng, pole: float, level: float = LEVEL) -> np.ndarray:
     return lfilter([level * np.sqrt(1.0 - pole**2)], [1.0, -pole], rng.standard_normal(T.size + 2000))[2000:]
 
 
-def told(noise: list[np.ndarray]) -> list[tuple[str, str]]:
+def told(noise: list[np.ndarray], load: np.ndarray = LOAD) -> list[tuple[str, str]]:
     """Where and in what the noise (N,) of the four channels is not as declared."""
     declared = Declared(force_noise_n=LEVEL, taxel_noise_n=(LEVEL,))
-    y = LOAD + noise
+    y = load + noise
     r = Recording("a", T, 1e-3 * np.sin(0.5 * T), y[0], y[1:], declared=declared)
-    found = find_noise([r], CHANNELS, [y - LOAD], [np.ones(y.shape, bool)], lambda: np.zeros(4))
+    found = find_noise([r], CHANNELS, [y - load], [np.ones(y.shape, bool)], lambda: np.zeros(4))
     return [(s.where, s.evidence["kind"]) for s in found]
 
 
@@ -57,6 +57,16 @@ def test_the_low_pass_of_one_amplifier_is_not_odd(odd):
 def test_taxels_may_all_wander_beside_a_load_cell_that_does_not():
     rng = np.random.default_rng(3)
     assert told([wandering(rng, 0.97 if c else 0.0) for c in range(4)]) == []
+
+
+@pytest.mark.parametrize("carried", [1.0, 0.1])
+def test_channels_that_carry_no_load_do_not_tell_that_noise_does_not_grow(carried):
+    """Under a plunger over taxel 0 the others carry little, and little noise."""
+    rng = np.random.default_rng(11)
+    load = LOAD[:1] * np.array([carried, 1.0, 0.02, 0.01])[:, None]
+    odd = [np.ones(T.size), 1.0 + 2.0 * load[1] / load[1].max(), np.ones(T.size), np.ones(T.size)]
+    noise = [LEVEL * rng.standard_normal(T.size) * grown for grown in odd]
+    assert ("taxel_0", "growth") in told(noise, load) if carried == 1.0 else ("taxel_0", "growth") not in told(noise, load)
 
 
 @pytest.mark.parametrize("every", [True, False])

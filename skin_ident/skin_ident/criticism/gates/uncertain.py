@@ -67,9 +67,7 @@ def left_open(model: Model, train: list[Session], held: list[Session], noise: Wh
     return Open.to(model, train, held, noise) if held and held[0].spread is not None else None
 
 
-def beside_uncertainty(
-    e: list[np.ndarray], model: Model, train: list[Session], held: list[Session], noise: Whitener
-) -> list[np.ndarray]:
+def beside_uncertainty(e: list[np.ndarray], model: Model, train: list[Session], held: list[Session], noise: Whitener) -> list[np.ndarray]:
     """Residuals (C, n) of the held-out sessions less what training leaves undetermined."""
     free = left_open(model, train, held, noise)
     return free.beside(e, held, noise) if free else e

@@ -54,8 +54,8 @@ def _commoner_first(trials: list[Trial]) -> list[Trial]:
 def _best(
     ranked: Sequence[Ranked], tried: Callable[[Iterable[Ranked]], Iterator[Trial]], known: set[Key], most: int = SHORTLIST
 ) -> list[Trial]:
-    """Trials of the best few causes, at most `most`, and of those near them that are known. Causes that physics rules out are no measure for the others:
-    where the best is ruled out, those near the next best are tried; where all are, those that rank next."""
+    """Trials of the best few causes, at most `most`, and of those near them that are known. Causes that physics rules out are no measure
+    for the others: where the best is ruled out, those near the next best are tried; where all are, those that rank next."""
     near = [r for r in ranked if r.score > WITHIN * ranked[0].score]
     queue, after = iter(near[:LONGEST]), ranked[len(near) :]
     trials = list(islice(tried(queue), most))

@@ -192,6 +192,23 @@ class _Look:
         idle, loaded, _ = self.idle_and_loaded
         return loaded / idle if idle else 1.0
 
+    @property
+    def times_expected_idle(self) -> float:
+        """`times_expected` of the third of the samples with the least load; of all where the loads hardly differ."""
+        idle, _, _ = self.idle_and_loaded
+        return idle / self.expected if idle else self.times_expected
+
+    @property
+    def growth(self) -> float:
+        """By how much the noise grows with the load, a share s of it: loaded^2 = idle^2 + (s load)^2."""
+        idle, loaded, load = self.idle_and_loaded
+        return float(np.sqrt(max(loaded**2 - idle**2, 0.0)) / load) if load else 0.0
+
+    def would_grow(self, share: float) -> float:
+        """What `times_under_load` would be if the noise grew by this share of the load: 1 where there is hardly any load."""
+        idle, _, load = self.idle_and_loaded
+        return float(np.hypot(1.0, share * load / idle)) if idle else 1.0
+
 
 _Unlike = tuple[str, str, dict[str, dict[str, Any]]]  # kind, sentence and numbers of a finding
 
@@ -201,10 +218,12 @@ def _unlike(look: _Look, others: list[_Look]) -> _Unlike | None:
     if look.e.size < FEWEST:
         return None
     peers = [o for o in others if o.is_its_own] if look.is_its_own else []
-    grows = bool(peers) and look.times_under_load > GROWN and np.median([o.times_under_load for o in peers]) < STEADY
+    steady = [o.times_under_load for o in peers if o.would_grow(look.growth) > GROWN]
+    grows = bool(steady) and look.times_under_load > GROWN and np.median(steady) < STEADY
     wanders = bool(peers) and look.colour > COLOURED and np.median([o.colour for o in peers]) < WHITE
     as_declared = bool(peers) and np.median([o.times_expected for o in peers]) < look.times_expected / LOUDER
-    louder = LOUDER if as_declared or _most_are_too_loud(look, others) else OTHER_LEVEL
+    alone = as_declared and look.times_expected_idle > LOUDER  # not because it alone carries the load
+    louder = LOUDER if alone or _most_are_too_loud(look, others) else OTHER_LEVEL
     return (_growing(look) if grows else None) or (_wandering(look) if wanders else None) or _of_another_level(look, louder)
 
 
@@ -215,13 +234,12 @@ def _most_are_too_loud(look: _Look, others: list[_Look]) -> bool:
 
 
 def _growing(look: _Look) -> _Unlike:
-    idle, loaded, load = look.idle_and_loaded
-    share = np.sqrt(loaded**2 - idle**2) / load
+    idle, loaded, _ = look.idle_and_loaded
     said = f"grows with the load, from {idle:.3g} N in the third of the samples with the least to {loaded:.3g} N in that with the most"
     numbers = {
         "times_under_load": quantity(loaded / idle, "1"),
         "white": quantity(idle, "N"),
-        "proportional": quantity(min(share, 1.0), "1"),
+        "proportional": quantity(min(look.growth, 1.0), "1"),
     }
     return "growth", f"{said}, where that of another channel does not; {look.declared}", numbers
 

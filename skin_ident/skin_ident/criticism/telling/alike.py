@@ -12,8 +12,9 @@ import numpy as np
 from skin_ident.criticism.pattern import in_sessions, listed
 from skin_ident.criticism.vocabulary import EXCHANGED, UNIT_CHANGE, UNIT_FACTOR
 
-ALIKE = {"interference": "frequency", "quantization": "step"}  # the parameter that must agree over all taxels, by cause
 NEARLY = 0.02  # relative difference within which two numbers agree
+# The parameter that must agree over all taxels, by cause, and within what: what makes taxels loud need not make all quite as loud.
+ALIKE = {"interference": ("frequency", NEARLY), "quantization": ("step", NEARLY), "noise": ("times_expected", 0.3)}
 
 
 def one_each(entries: list[dict[str, Any]], sessions: list[str]) -> list[dict[str, Any]]:
@@ -56,11 +57,11 @@ def _sessions_of(e: dict[str, Any]) -> set[str]:
 
 
 def in_all_taxels(entries: list[dict[str, Any]], taxels: int) -> list[dict[str, Any]]:
-    """The entries of findings.json, where a cause that each of several `taxels` has with the same number is joined into one entry."""
-    for cause, number in ALIKE.items():
+    """The entries of findings.json, where a cause that each of several `taxels` has with about the same number is joined into one entry."""
+    for cause, (number, within) in ALIKE.items():
         own = {e["where"]: e for e in entries if e["cause"] == cause and e["where"].startswith("taxel_") and number in e["parameters"]}
         values = np.array([e["parameters"][number]["value"] for e in own.values()])
-        if taxels > 1 and len(own) == taxels and np.ptp(values) <= NEARLY * values.max():
+        if taxels > 1 and len(own) == taxels and np.ptp(values) <= within * values.max():
             first, *others = own.values()
             entries = [_joined(list(own.values())) if e is first else e for e in entries if not any(e is o for o in others)]
     return entries
