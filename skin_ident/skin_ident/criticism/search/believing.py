@@ -42,9 +42,9 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
       support, only too small to be named here;
     - a trial that explains less than one which an encoder may account for, unless it is believed beside that one. Where a force drives the
       test this is not asked, for its load cell is a rival of every name in any case;
-    - a trial that explains far less than another that held-out data nearly support.
+    - a trial that explains far less than another that held-out data nearly support, or did support before it was taken out again.
     """
-    nearly, left_open, known = 0.0, None, {n.key for n in search.named if not n.courses}
+    nearly, left_open, known = _of_dropped(search), None, {n.key for n in search.named if not n.courses}
     for trial in _forms(trials):
         gain = _gain_of(search, trial, trials[0].score)
         if _is_hardware(search, trial, gain):
@@ -73,6 +73,11 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
         elif trial.score > FAR_LESS * nearly and (left_open is None or _stands_beside(search, trial, left_open)):
             return trial.fit, _finding(search, trial, rivals, trials, runs, gain)
     return None
+
+
+def _of_dropped(search: Search) -> float:
+    """The most that a cause explains which was named and taken out again; 0 where there is none."""
+    return max((r.score for r in search.survey().ranked if r.key in search.dropped), default=0.0)
 
 
 def _stands_beside(search: Search, trial: Trial, other: Trial) -> bool:
