@@ -9,7 +9,9 @@ from hide_and_seek import seek
 from rows import rows
 from world import make_sessions, write_case
 
+from skin_ident.criticism.courses.gate import _agrees
 from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.gates.gate import Gain
 from skin_ident.recordings.load import load
 
 OWN = [
@@ -83,6 +85,16 @@ def test_a_clock_that_wanders_is_late_by_so_much_in_turn(tmp_path, late_s):
     write_case([replace(s, force=np.interp(s.t - late_s * (1.0 + 0.6 * np.sin(s.t / 2.7)), s.t, s.force)) for s in made], tmp_path)
     recordings = load(tmp_path)
     assert {(f["cause"], f["where"]) for f in diagnose(recordings[:2], recordings[2:]).findings["findings"]} == {("time_shift", "clock")}
+
+
+@pytest.mark.parametrize(
+    ("relative", "lower", "after", "agree"),
+    [(0.02, 0.01, 0.9, True), (0.001, -0.001, 0.999, True), (-0.003, -0.006, 0.999, True), (0.001, -0.05, 0.999, False),
+     (-0.05, -0.06, 0.9, False), (0.001, -0.001, 1.01, False)],
+    ids=["they gain", "chance for it", "chance against it", "who knows", "they lose", "their error grows"],
+)  # fmt: skip
+def test_sessions_that_a_course_does_not_concern_do_not_contradict_it(relative, lower, after, agree):
+    assert _agrees(Gain("force", ("force",), 1.0, after, (0.0, 0.0), relative, lower, "")) is agree
 
 
 @pytest.mark.parametrize("held", rows([2, 3], 1))

@@ -24,6 +24,7 @@ FEWEST_BLOCKS = 10  # blocks in a session, at least, for a constant slope: both 
 CLEARLY = {CONSTANT: MATERIAL_RMSE, STEPS: MATERIAL_RMSE, BEND: 0.18, WAVE: 0.18}
 PLAINLY = 0.15  # relative fall of the RMSE above which no gain in likelihood is required
 FAINT = 0.2  # share of the RMS residual at full rate that a zero, or a constant slope, must exceed
+NOTHING = 0.005  # relative gain in likelihood, either way, of sessions that a course does not concern
 SURE = 0.25  # share of the fall of the error that its lower bound must exceed: seven courses are tried every time
 
 
@@ -68,8 +69,9 @@ def course_gain(course: Course, before: Model, after: Model, train: list[Session
 
 
 def _agrees(gain: Gain) -> bool:
-    """Whether held-out sessions do not contradict a slope or zero of the others; their own may be near the mean, or nothing."""
-    return gain.lower > 0.0 and gain.after < gain.before
+    """Whether held-out sessions do not contradict a slope or zero of the others; their own may be near the mean, or nothing at all, and
+    then chance decides whether their likelihood gains."""
+    return gain.relative > -NOTHING and gain.lower > -2.0 * NOTHING and gain.after < gain.before
 
 
 def _gain_in(course: Course, before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
