@@ -12,7 +12,7 @@ from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.baseline.unknowns import unknowns, values, with_values
 from skin_ident.criticism.gates.gate import by_block
 from skin_ident.criticism.noise.whitening import fit_whitener, white
-from skin_ident.criticism.search.growing import sound_damping
+from skin_ident.criticism.search.growing import _extended, sound_damping
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.ranking import signed_pursuit
@@ -29,7 +29,7 @@ from skin_models.dispersion import Dispersion
 from skin_models.effects.hysteresis import SkinHysteresis
 from skin_models.effects.inertia import Inertia
 from skin_models.effects.stress_relaxation import StressRelaxation
-from skin_models.effects.time_shift import TimeShift
+from skin_models.effects.time_shift import SkewedClock, TimeShift
 from skin_models.model import Model
 from skin_models.model_file import model_to_dict
 from skin_models.signals import motion
@@ -251,3 +251,11 @@ def test_damping_that_a_delay_has_eaten_is_found_again(late, of_b1, of_b2):
     eaten = replace(sound, b1=sound.b1 - late * of_b1, b2=sound.b2 - late * of_b2)
     found, delay = sound_damping(eaten)
     assert (found.b1, found.b2, delay) == pytest.approx((sound.b1, sound.b2, late))
+
+
+@pytest.mark.parametrize("beside", [TimeShift("clock", delay=0.02), StressRelaxation("skin", k_sensed=900.0, tau=0.4)])
+def test_a_form_that_has_all_of_a_plain_one_takes_its_place_and_adds_to_it(beside):
+    late, skewed = TimeShift("clock_taxels", delay=0.03), SkewedClock("clock_taxels", skew=50.0, delay=0.01)
+    grown = _extended(replace(SILICONE, effects=(late, beside)), skewed)
+    assert grown.effects[:-1] == (beside,)  # what acts elsewhere stays
+    assert (grown.effects[-1].skew, grown.effects[-1].delay) == pytest.approx((50.0, 0.04))

@@ -42,10 +42,7 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
     """Add the cause `best` to the fitted model `start`, instance by instance, until another one is not worth its parameters. Return the fit
     with all instances and, where there are several, also the fit with the first alone."""
     present, first, stages = start, 0.0, []
-    while len(stages) < MOST:
-        own = tuple(d for d in which if d.key == best.key and _adds(d, present.model))
-        if not own:
-            break
+    while len(stages) < MOST and (own := tuple(d for d in which if d.key == best.key and _adds(d, present.model))):
         ranked = best if present is start and best.best in own else survey(present.model, sessions, own, noise).ranked[0]
         if present is not start and ranked.best_gain < max(INSTANCE, WORTH * first):
             break
@@ -114,7 +111,7 @@ def _beside_sound_damping(present: Fit, ranked: Ranked, sessions: list[Session],
     if late <= 0.0:
         return
     amount = ranked.best_amount + late / ranked.best.size
-    begun = replace(present.model, dispersion=sound).extended(_ready(ranked.best, amount, sessions[0]))
+    begun = _extended(replace(present.model, dispersion=sound), _ready(ranked.best, amount, sessions[0]))
     yield fit(approached(begun, sessions, noise, AT_SHAPE, tuple(effect_unknowns(begun, sessions[0]))), sessions, noise)
 
 
@@ -214,13 +211,14 @@ def _ready(d: Direction, amount: float, session: Session) -> Effect:
 
 
 def _extended(model: Model, effect: Effect) -> Model:
-    """The model with one more effect, which takes the place of its plain form where that has sizes alone: a delay beside a skewed clock,
-    which has a delay of its own, is determined by nothing."""
+    """The model with one more effect. It takes the place of its plain form, to which it adds, where that has sizes alone: a delay beside a
+    skewed clock, which has a delay of its own, is determined by nothing."""
     plain = next((e for e in model.effects if type(e) is effect.refines and e.where == effect.where and not _shaped(e)), None)
     if plain is None:
         return model.extended(effect)
     kept = tuple(e for e in model.effects if e is not plain)
-    return replace(model, effects=(*kept, effect.with_values(**plain.values)))
+    both = {name: value + getattr(effect, name) for name, value in plain.values.items()}
+    return replace(model, effects=(*kept, effect.with_values(**both)))
 
 
 def _adds(d: Direction, model: Model) -> bool:
