@@ -9,7 +9,7 @@ def cause(name: str, score: float) -> SimpleNamespace:
     return SimpleNamespace(cause=name, where="skin", key=(name, "skin"), score=score)
 
 
-def listed(ranked, ruled_out=(), known=(), suspected=(), count=0) -> list[str]:
+def listed(ranked, ruled_out=(), known=(), suspected=(), count=1000) -> list[str]:
     """Names in the order of the list, where a refit keeps what the ranking promised."""
 
     def tried(causes):

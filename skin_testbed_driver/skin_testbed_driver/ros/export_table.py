@@ -14,6 +14,7 @@ import contextlib
 import shutil
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from skin_models.errors import SkinError
@@ -39,6 +40,9 @@ def export_table(recording: Path, out: Path, namespace: str = "") -> tuple[Recor
         write_table(out, recorded)
         if rig.is_file() and not beside.exists():
             shutil.copyfile(rig, beside)
+    if beside.exists() and not rig.is_file():
+        strange = f"{beside} lies there already and will be read with the table: is it of this rig? The recording has none"
+        recorded = replace(recorded, warnings=(*recorded.warnings, strange))
     return recorded, [out, *([beside] if rig.is_file() else [])]
 
 
@@ -70,9 +74,7 @@ def main() -> None:
         sys.exit(_complain("export_table", error))
     except OSError as error:
         sys.exit(_complain("export_table", RigError(f"cannot write {out}: {error.strerror}")))
-    beside = out.parent / "rig.yaml"
-    strange = [f"{beside} lies there already and will be read with the table: is it of this rig? The recording has none"]
-    for warning in (*recorded.warnings, *(strange if beside.exists() and beside not in written else [])):
+    for warning in recorded.warnings:
         _complain("export_table", warning)
     print(f"{counted(recorded.depth.t.size, 'sample')}: wrote {' and '.join(str(file.absolute()) for file in written)}")
 

@@ -21,7 +21,7 @@ def shortlisted(
     tried: Callable[[Iterable[Ranked]], Iterator[Trial]],
     known: set[Key],
     suspected: set[Key],
-    count: int = 0,
+    count: int,
 ) -> list[Trial]:
     """The most promising causes as trials, the best first, and of equals the commoner. `tried` fits them and leaves out what physics rules
     out.
@@ -33,7 +33,7 @@ def shortlisted(
     """
     shown = [r for r in ranked if r.key in suspected - known and r.score > 0.0]
     others = [r for r in ranked if r.score > 0.0 and r not in shown]
-    most = LONGEST if count and ranked and ranked[0].score > LARGE * count else SHORTLIST
+    most = LONGEST if ranked and ranked[0].score > LARGE * count else SHORTLIST
     trials = [*tried(shown), *_best(others, tried, known, most)]
     enough = WITHIN * max((t.score for t in trials), default=0.0)
     trials.sort(key=lambda t: (t.ranked not in shown or t.score < enough, -t.score))
@@ -51,9 +51,7 @@ def _commoner_first(trials: list[Trial]) -> list[Trial]:
     return trials if first is None else [first, *(t for t in trials if t is not first)]
 
 
-def _best(
-    ranked: Sequence[Ranked], tried: Callable[[Iterable[Ranked]], Iterator[Trial]], known: set[Key], most: int = SHORTLIST
-) -> list[Trial]:
+def _best(ranked: Sequence[Ranked], tried: Callable[[Iterable[Ranked]], Iterator[Trial]], known: set[Key], most: int) -> list[Trial]:
     """Trials of the best few causes, at most `most`, and of those near them that are known. Causes that physics rules out are no measure
     for the others: where the best is ruled out, those near the next best are tried; where all are, those that rank next."""
     near = [r for r in ranked if r.score > WITHIN * ranked[0].score]
