@@ -259,3 +259,8 @@ def test_a_form_that_has_all_of_a_plain_one_takes_its_place_and_adds_to_it(besid
     grown = _extended(replace(SILICONE, effects=(late, beside)), skewed)
     assert grown.effects[:-1] == (beside,)  # what acts elsewhere stays
     assert (grown.effects[-1].skew, grown.effects[-1].delay) == pytest.approx((50.0, 0.04))
+
+
+def test_two_forms_of_one_delay_add_up_to_no_more_than_a_model_may_hold():
+    late, skewed = TimeShift("clock_taxels", delay=-0.4), SkewedClock("clock_taxels", skew=0.0, delay=-0.7)
+    assert _extended(replace(SILICONE, effects=(late,)), skewed).effects[-1].delay == -1.0  # s, its bound

@@ -218,7 +218,7 @@ def _extended(model: Model, effect: Effect) -> Model:
         return model.extended(effect)
     kept = tuple(e for e in model.effects if e is not plain)
     both = {name: value + getattr(effect, name) for name, value in plain.values.items()}
-    return replace(model, effects=(*kept, effect.with_values(**both)))
+    return replace(model, effects=(*kept, effect.with_values(**clipped(type(effect), **both))))
 
 
 def _adds(d: Direction, model: Model) -> bool:
