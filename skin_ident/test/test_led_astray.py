@@ -11,13 +11,15 @@ from world import make_sessions, write_case
 
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.diagnose import diagnose
-from skin_ident.criticism.search.growing import determined
+from skin_ident.criticism.search.growing import determined, spared
 from skin_ident.criticism.search.partly import _too_slight_to_tell
 from skin_ident.criticism.search.trial import Trial, sized
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.recordings.load import load
 from skin_models.effects.cyclic_softening import CyclicSoftening
+from skin_models.effects.eyring_relaxation import EyringRelaxation
 from skin_models.effects.nonlinear_stiffness import PowerStiffness
+from skin_models.effects.stress_relaxation import StressRelaxation
 
 # Sound records of poor protocols, of which zeros of depth, a mount, a play and a late clock were told: seed, protocol, taxels, noise and
 # steps of the encoder in µm, and how far the skin is another from session to session.
@@ -64,3 +66,16 @@ def test_a_hundredth_of_the_force_in_one_session_is_another_days_skin(of_force, 
     trial = SimpleNamespace(key=key, fit=SimpleNamespace(model=bent))
     assert _too_slight_to_tell(SimpleNamespace(trial=trial, ahead=SimpleNamespace(train=sessions))) == slight
     assert _too_slight_to_tell(SimpleNamespace(trial=trial, ahead=SimpleNamespace(train=[*sessions, sessions[0]]))) == slight
+
+
+@pytest.mark.parametrize("arms", [1, 2])
+def test_an_instance_that_others_have_taken_over_is_taken_out(arms):
+    """An Eyring element that was named first explains nothing beside the Maxwell arms that the skin has; each of the arms does."""
+    maxwell = tuple(StressRelaxation("skin", k_sensed=300.0, k_dispersed=100.0, tau=tau) for tau in (0.3, 3.0)[:arms])
+    depth = 0.2e-3 * (1.0 + np.tanh(4.0 * np.sin(np.arange(4000) / 200.0)))
+    sessions = [prepare(recorded(replace(PLAIN, effects=maxwell), depth, seed=i)) for i in range(2)]
+    first, key = EyringRelaxation("skin", k_sensed=1.0, k_dispersed=1.0, stretch=1e-4, flow_time=10.0), ("stress_relaxation", "skin")
+    fitted = fit(replace(PLAIN, effects=(first, *maxwell)), sessions, WHITE)
+    kept = spared(fitted, key, sessions, WHITE).model.having(key)
+    assert [type(e) for e in kept] == [StressRelaxation] * arms
+    assert [e.tau for e in kept] == pytest.approx([e.tau for e in maxwell], rel=0.15)

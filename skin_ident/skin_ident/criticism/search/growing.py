@@ -56,6 +56,19 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
     return (present, *stages[: len(stages) > 1])
 
 
+def spared(present: Fit, key: Key, sessions: list[Session], noise: Whitener) -> Fit:
+    """The fit without those of several instances of a cause that explain nothing now that all others are known: what was named first, in
+    one form, others may have taken over."""
+    while len(own := [i for i, e in enumerate(present.model.effects) if e.key == key]) > 1:
+        effects = present.model.effects
+        without = (fit(replace(present.model, effects=(*effects[:i], *effects[i + 1 :])), sessions, noise) for i in own)
+        fewer = min(without, key=lambda f: f.cost)
+        if fewer.cost - present.cost >= INSTANCE:
+            break
+        present = fewer
+    return present
+
+
 def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise: Whitener) -> Fit:
     """The fit with one more instance. A large effect is begun in each of its forms and the best is taken, because the ranking is by small
     amounts, which do not tell the forms apart."""

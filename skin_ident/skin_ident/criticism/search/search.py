@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.search.choosing import choose
+from skin_ident.criticism.search.growing import spared
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import take_alone, take_course
 from skin_ident.criticism.search.own_skin import (
@@ -138,8 +139,9 @@ def _beside_dropped(search: Search, last: Survey, finding: Named) -> Named:
 
 
 def eliminate(search: Search) -> bool:
-    """Take out causes, last found first, without which the rest predicts as well; return whether there were any. The last one was tested
-    just before if nothing came after it, and is then not tested again."""
+    """Take out causes, last found first, without which the rest predicts as well, and instances of those that are kept which explain
+    nothing any more; return whether causes were taken out. The last one was tested just before if nothing came after it, and is then not
+    tested again."""
     named = search.named
     asked = named[:-1] if named and named[-1].model is search.present.model else named
     for finding in reversed([n for n in asked if not (n.courses or n.only)]):
@@ -148,4 +150,6 @@ def eliminate(search: Search) -> bool:
         if not (gain.passed or search.second_opinion(without.model, search.present.model, finding.where, gain).passed):
             search.present, search.named = without, [n for n in search.named if n is not finding]
             search.dropped.add(finding.key)
+    for finding in search.named:
+        search.present = spared(search.present, finding.key, search.train, search.noise)
     return search.named != named
