@@ -10,6 +10,7 @@ from world import make_sessions, write_case
 
 from skin_ident.criticism.record import inspect
 from skin_ident.criticism.telemetry.clock import find_clock_faults
+from skin_ident.criticism.telemetry.encoder import find_encoder_faults
 from skin_ident.criticism.telemetry.grid import factor_of
 from skin_ident.criticism.telemetry.outliers import Said, find_outliers
 from skin_ident.criticism.telemetry.units import FACTORS
@@ -56,6 +57,19 @@ def test_an_encoder_whose_noise_is_wider_than_its_step_has_no_outliers(tmp_path,
     spiky, _ = make_sessions("outliers", "rig", "spikes", 6.0, seed, n_taxels=2, noise="white", encoder_noise_um=8.0)
     write_case(spiky, tmp_path / "spiky")
     assert [(s.cause, s.where) for s in inspect(load(tmp_path / "spiky")).symptoms] == [("outliers", "rig")]
+
+
+@pytest.mark.parametrize("louder", ["with the load", "in bursts"])
+@pytest.mark.parametrize("seed", range(3))
+def test_noise_of_the_encoder_that_is_louder_at_times_is_no_outlier(seed, louder):
+    """Five steps of its noise where it is loudest reach far beyond its noise at rest. Spikes are told beside it."""
+    rng, step = np.random.default_rng(seed), 1e-6
+    r = recording(seed, sigma=0.002, offset=0.25e-3, dt=0.005)
+    level = np.clip(r.depth / r.depth.max(), 0.0, 1.0) if louder == "with the load" else np.repeat(rng.random(40) < 0.15, len(r) // 40)
+    noisy = step * np.round((r.depth + 3.0 * step * level * rng.standard_normal(len(r))) / step)
+    assert find_encoder_faults([replace(r, depth=noisy)]) == []
+    spiky = noisy + np.where(np.isin(np.arange(len(r)), rng.choice(np.flatnonzero(r.depth > 0.0), 6)), 60.0 * step, 0.0)
+    assert [s.where for s in find_encoder_faults([replace(r, depth=spiky)])] == ["rig"]
 
 
 def test_bad_samples_have_no_weight_and_are_bridged(tmp_path):

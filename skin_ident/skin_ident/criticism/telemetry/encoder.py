@@ -8,7 +8,7 @@ wider than a step, some samples are far out by chance and no force responds: the
 from collections.abc import Collection
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, median_filter
+from scipy.ndimage import maximum_filter1d, median_filter, percentile_filter
 
 from skin_ident.criticism.telemetry.excursions import fill_clusters, held, paired
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
@@ -17,6 +17,7 @@ from skin_ident.estimators.scale import normal_scale
 from skin_ident.stretches import runs
 
 TREND = 9  # samples of the running median that gives the true speed
+AROUND, MOST = 101, 0.8  # samples in which noise may be louder than elsewhere, and the share of them that tells how loud
 STEPS = 6.0  # encoder steps that a jump must exceed
 SEEN = 0.3  # share of k dx that a real step would show
 NEAR = 3  # samples within which a channel would show it
@@ -35,10 +36,11 @@ def find_encoder_faults(recordings: list, dead: Collection[Symptom] = ()) -> lis
     levels = [r.step("depth") or 0.0 for r in recordings]
     step = max(1e-6 * declared, *levels) if declared else max(*levels, smallest_step(np.concatenate([r.depth for r in recordings])))
     departed = [_detrended(r.depth) for r in recordings]
-    limits = _limits(departed, STEPS * step)
+    evened = [_evened(d, step) for d in departed]
+    limits = _limits(evened, STEPS * step)
     masks = [
-        _faults(d, _unseen(r, d, stiffness, dead) & (np.abs(d) > limits[0]), r.depth, limits[1])
-        for r, d in zip(recordings, departed, strict=True)
+        _faults(d, e, _unseen(r, d, stiffness, dead) & (np.abs(e) > limits[0]), r.depth, limits[1])
+        for r, d, e in zip(recordings, departed, evened, strict=True)
     ]
     count = int(sum(m.sum() for m in masks))
     if sum(runs(m)[0].size for m in masks) < FEWEST:
@@ -79,12 +81,20 @@ def _detrended(y: np.ndarray) -> np.ndarray:
     return d - median_filter(d, TREND)
 
 
-def _faults(departed: np.ndarray, silent: np.ndarray, x: np.ndarray, apart: float) -> np.ndarray:
+def _evened(departed: np.ndarray, step: float) -> np.ndarray:
+    """The departures (N-1,), made smaller where there is more noise than usual, and than a `step`: noise that grows with the load, or comes
+    in bursts, has far samples that are no jumps."""
+    size = np.abs(departed)
+    usual = max(float(np.quantile(size, MOST)), step)
+    return departed * usual / np.maximum(percentile_filter(size, 100.0 * MOST, AROUND), usual)
+
+
+def _faults(departed: np.ndarray, evened: np.ndarray, silent: np.ndarray, x: np.ndarray, apart: float) -> np.ndarray:
     """Mask (N,) of samples that jump away and back by more than `apart`, and of runs that stand still and then jump, where `silent` (N-1,)
-    says that a large departure shows in no channel."""
+    says that a large departure shows in no channel. The `evened` departures are compared with `apart`."""
     if not silent.any():
         return np.zeros(x.size, bool)
-    mask = paired(np.concatenate([[0.0], np.cumsum(departed)]), departed, np.flatnonzero(silent & (np.abs(departed) > apart)))
+    mask = paired(np.concatenate([[0.0], np.cumsum(departed)]), departed, np.flatnonzero(silent & (np.abs(evened) > apart)))
     for a, b in zip(*held(x, FROZEN), strict=True):
         if silent[b - 1] and not mask[b]:
             mask[a:b] = True
