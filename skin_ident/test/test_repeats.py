@@ -81,6 +81,32 @@ def test_many_short_blocks_do_not_make_long_ones_look_like_chance(seed):
     assert find_copies([r]) == []
 
 
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("length", [9, 12, 16])
+@pytest.mark.parametrize("which", ["force", "every channel"])
+def test_a_packet_sent_twice_is_found_though_it_is_short(which, length, seed):
+    """Three packets, each followed by itself, in noise of four steps of the converter."""
+    rng = np.random.default_rng(seed)
+    sound = read(session(seed, noise=4.0 * STEP))
+    force, taxels, starts = sound.force.copy(), sound.taxels.copy(), 500 + 700 * np.arange(3) + rng.integers(0, 300, 3)
+    for start in starts:
+        force[start : start + length] = force[start - length : start]
+        if which != "force":
+            taxels[:, start : start + length] = taxels[:, start - length : start]
+    (symptom,) = find_copies([replace(sound, force=force, taxels=taxels)])
+    assert (len(symptom.channels) > 1) == (which != "force") and "so do 2 more" in symptom.evidence["why"]
+    assert all(symptom.bad[sound.name, "force"][start : start + length].all() for start in starts)
+    assert find_copies([sound]) == []
+
+
+@pytest.mark.parametrize("step", [0.002, 0.01, 0.05])
+@pytest.mark.parametrize("hertz", [50.0, 25.0, 10.0])
+def test_a_line_whose_period_is_a_whole_number_of_samples_is_no_packet_sent_twice(hertz, step):
+    r = session(1, noise=0.004)
+    line = 0.1 * np.sin(2.0 * np.pi * hertz * r.t) * (np.sin(0.3 * r.t) > 0.0)  # at times it is off
+    assert find_copies([read(replace(r, force=r.force + line), force_step=step)]) == []
+
+
 def tabled(folder, r, late) -> Path:
     """A table of the recording, each stamp as `late` as it says, s."""
     rows = np.array([r.t + late, 1e3 * r.depth, r.force, *r.taxels]).T

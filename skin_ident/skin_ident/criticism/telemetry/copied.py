@@ -21,6 +21,7 @@ FEW, LIKELY = 64, 0.8  # samples at which two columns are compared first, and th
 EQUAL = 0.98  # share of equal samples from which a column is a copy
 ELSEWHERE = 0.05  # share of its range by which the depth must differ between a stretch and its repetition in one channel
 NOISY = 2.0  # converter steps: white noise above it has three bits in every reading, so that no window of it occurs twice
+AROUND = 24  # samples on either side of a stretch, which may be too short to tell how large the noise is
 COLUMN, SESSION = "copied column", "copied session"  # kinds of copies
 
 
@@ -37,11 +38,17 @@ def find_copies(recordings: list) -> list[Symptom]:
 
 
 def _blocks(recordings: list) -> list[Symptom]:
-    """Stretches that repeat in all channels, with the depth either repeating as well or clearly different."""
+    """Stretches that repeat in all channels, with the depth either repeating as well or clearly different, or in noise of a channel."""
     again = repeats_of([np.array([r.read(c) for c in r.channels]).T for r in recordings])
-    first = next(iter(recordings[0].channels))
-    again = [r for r in again if r.is_rare and (_with_its_depth(recordings, r) or _moved_otherwise(recordings, r, first))]
-    return [_copy(recordings, again, tuple(recordings[again[0].at].channels))] if again else []
+    channels = tuple(recordings[0].channels)
+
+    def copied(r: Repeat) -> bool:
+        if _with_its_depth(recordings, r) or _moved_otherwise(recordings, r, channels[0]):
+            return True
+        return any(_of_noise(recordings[r.at], r, c, _step(recordings[r.at], c)) for c in channels)
+
+    again = [r for r in again if r.is_rare and copied(r)]
+    return [_copy(recordings, again, channels)] if again else []
 
 
 def _channel_blocks(recordings: list, known: dict[str, np.ndarray]) -> Iterator[Symptom]:
@@ -51,7 +58,7 @@ def _channel_blocks(recordings: list, known: dict[str, np.ndarray]) -> Iterator[
         kept = [at[~known[r.name][at]] for r, (at, _) in zip(recordings, read, strict=True)]
         again = repeats_of([digits[~known[r.name][at]][:, None] for r, (at, digits) in zip(recordings, read, strict=True)])
         again = [_on_grid(r, kept[r.at], kept[r.source]) for r in again]
-        steps = [r.step(channel) or smallest_step(r.channels[channel]) for r in recordings] if again else []
+        steps = [_step(r, channel) for r in recordings] if again else []
         again = [r for r in again if _is_copied(recordings, r, channel, steps[r.at])]
         if again:
             yield _copy(recordings, again, (channel,))
@@ -63,6 +70,11 @@ def _is_copied(recordings: list, again: Repeat, channel: str, step: float) -> bo
     if again.is_rare and _moved_otherwise(recordings, again, channel):
         return True
     return (again.is_rare or not _with_its_depth(recordings, again)) and _of_noise(recordings[again.at], again, channel, step)
+
+
+def _step(recording, channel: str) -> float:
+    """The step of the readings of a channel, N: the converter's, or the smallest that occurs."""
+    return recording.step(channel) or smallest_step(recording.channels[channel])
 
 
 def _as_read(recording, channel: str) -> tuple[np.ndarray, np.ndarray]:
@@ -105,9 +117,9 @@ def _moved_otherwise(recordings: list, again: Repeat, channel: str) -> bool:
 
 
 def _of_noise(recording, again: Repeat, channel: str, step: float) -> bool:
-    """Whether the stretch holds noise of several converter steps, which does not repeat even where the motion does."""
-    here, _ = _places(again)
-    return white_noise(recording.channels[channel][here]) > NOISY * step
+    """Whether there is noise of several converter steps in and around the stretch, which does not repeat even where the motion does."""
+    around = slice(max(again.start - AROUND, 0), again.start + again.length + AROUND)
+    return white_noise(recording.channels[channel][around]) > NOISY * step
 
 
 def _places(again: Repeat) -> tuple[slice, slice]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from skin_ident.criticism.telemetry.sent_twice import sent_twice
 from skin_ident.recordings.digits import MULTIPLIER
 
 WINDOW = 24  # samples of a window, more than of those that measure chance
@@ -38,15 +39,19 @@ class Repeat:
         """Whether chance does not explain it."""
         return self.by_chance < CHANCE
 
+    def is_part_of(self, other: "Repeat") -> bool:
+        """Whether all its samples are among those of another."""
+        return self.at == other.at and other.start <= self.start and self.start + self.length <= other.start + other.length
+
 
 def repeats_of(rows: list[np.ndarray]) -> list[Repeat]:
-    """Repeats in readings (N, C) of each recording, the longest first."""
+    """Repeats in readings (N, C) of each recording, the longest first; after them short blocks that were sent twice in a row."""
     codes = _codes(rows)
     every = sorted(_repeats(codes), key=lambda r: -r.length)
-    if not every:
-        return []
-    expected = _by_chance(codes, every)
-    return [replace(r, by_chance=expected(r.lively)) for r in every]
+    expected = _by_chance(codes, every) if every else None
+    long = [replace(r, by_chance=expected(r.lively)) for r in every]
+    short = [Repeat(k, start, k, origin, *rest) for k, start, origin, *rest in sent_twice(codes, WINDOW)]
+    return [*long, *(r for r in short if r.is_rare and not any(r.is_part_of(other) for other in long))]
 
 
 def _codes(rows: list[np.ndarray]) -> list[np.ndarray]:

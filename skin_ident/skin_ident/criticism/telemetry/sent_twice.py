@@ -1,0 +1,63 @@
+"""Short blocks of readings that are sent twice in a row, as where a packet is repeated or a buffer is read again before it is filled.
+
+`repeats` compares every window with all others, so that a window must be long to exceed chance. A block that follows itself is compared at
+one distance only, its own length, and may be as short as half a dozen samples.
+
+Chance is judged from the runs of equal readings that are no whole blocks. They become fewer with their length, and the fall from one length
+to the next is continued to the length of the block: the fall at all distances together, which many runs tell, or at the block's own, where
+what is periodic recurs, whichever is slower.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+SHORTEST = 6  # samples of a block
+MANY, FEW_MORE = 30, 3  # runs from which their fall is known, and the number by which luck may have made the next too few
+
+
+def sent_twice(codes: list[np.ndarray], longest: int) -> Iterator[tuple[int, int, int, int, int, float]]:
+    """Blocks of `SHORTEST` to `longest` readings that follow themselves, in readings given as codes (N,) for each recording: the recording,
+    the start of the repetition and of its source, the length, the number of changes of reading in it, and the number of such blocks to be
+    expected by chance. A reading that does not change counts for nothing: at rest, coarse readings repeat."""
+    changes = [np.cumsum(np.append(0, np.append(False, row[1:] != row[:-1]))) for row in codes]
+    readings, distances = sum(int(c[-1]) for c in changes), range(SHORTEST, longest + 1)
+    whole, parts = [], []
+    for d in distances:
+        parts.append(np.zeros(0, int))
+        for k, (row, c) in enumerate(zip(codes, changes, strict=True)):
+            starts, ends = _runs(row[d:] == row[:-d])
+            lively, full = c[d + ends] - c[d + starts], ends - starts >= d
+            parts[-1] = np.append(parts[-1], lively[~full])
+            whole += [(k, d, *map(int, block)) for block in zip(starts[full], ends[full], lively[full], strict=True)]
+    if not whole:
+        return
+    at_least = [_at_least(lively, readings) for lively in parts]
+    _, fall = _tail(sum(_padded(at_least)), FEW_MORE)
+    for k, d, start, end, lively in whole:
+        many, own = _tail(at_least[d - SHORTEST])
+        expected = many[-1] * max(fall, own) ** max(lively - (many.size - 1), 0)
+        yield k, d + start, start, end - start, lively, float(len(distances) * expected)
+
+
+def _runs(equal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Start and end of every run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], equal, [False])).astype(np.int8)))
+    return edges[::2], edges[1::2]
+
+
+def _at_least(lively: np.ndarray, readings: int) -> np.ndarray:
+    """How many runs there are with at least 0, 1, 2, … changes, from the changes in each; with 0, as many as `readings`."""
+    return np.append(readings, np.cumsum(np.bincount(lively, minlength=2)[:0:-1])[::-1])
+
+
+def _padded(rows: list[np.ndarray]) -> np.ndarray:
+    """Rows of different lengths, made as long as the longest with zeros."""
+    return np.array([np.pad(row, (0, max(r.size for r in rows) - row.size)) for row in rows])
+
+
+def _tail(at_least: np.ndarray, more: int = 0) -> tuple[np.ndarray, float]:
+    """The counts that are many, and the share of the last of them that the next count is, allowing for some `more`."""
+    many = at_least[: max(int(np.count_nonzero(at_least >= MANY)), 1)]
+    following = at_least[many.size] if many.size < at_least.size else 0
+    return many, min((following + more) / max(many[-1], 1), 1.0)
