@@ -58,3 +58,13 @@ def test_of_causes_that_explain_as_much_the_commoner_goes_first():
     ranked = [cause("mount_compliance", 595.0), cause("nonlinear_stiffness", 594.0)]
     assert listed(ranked)[0] == "nonlinear_stiffness"
     assert listed([ranked[0], cause("nonlinear_stiffness", 580.0)])[0] == "mount_compliance"
+
+
+def test_a_lag_of_the_taxels_is_tried_wherever_it_ranks_beside_taxels_that_are_late():
+    late, lag = (
+        SimpleNamespace(cause=c, where=w, key=(c, w), score=n)
+        for c, w, n in (("time_shift", "clock_taxels", 1000.0), ("lag", "taxel", 5.0))
+    )
+    others = [cause(f"c{i}", 900.0 - i) for i in range(2 * LONGEST)]
+    assert "lag" in listed([late, *others, lag])
+    assert "lag" not in listed([others[0], late, *others[1:], lag])

@@ -23,6 +23,7 @@ from skin_ident.criticism.vocabulary import (
     GAIN_ERROR,
     HYSTERESIS,
     LAG_OF_LOAD_CELL,
+    LAG_OF_TAXELS,
     LATE_DEPTH,
     LEAKS,
     LOOP_OF_LOAD_CELL,
@@ -164,7 +165,7 @@ def late_one_way(sensed: float, dispersed: float) -> Iterator[Key]:
     if abs(sensed) < ALONE * abs(dispersed):
         yield LAG_OF_LOAD_CELL
     elif abs(sensed + dispersed) < ALONE * abs(sensed):
-        yield "lag", "taxel"
+        yield LAG_OF_TAXELS
 
 
 def _within_a_sample(mine: Instances) -> Iterator[Key]:

@@ -7,12 +7,13 @@ from skin_ident.criticism.search.by_nature import likelier_place
 from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.trial import Trial
-from skin_ident.criticism.vocabulary import CAUSES, Key
+from skin_ident.criticism.vocabulary import CAUSES, LAG_OF_TAXELS, LATE_TAXELS, Key
 
 SHORTLIST, LONGEST = 4, 7  # causes that are refitted before one is chosen; and the same with those that physics rules out
 LARGE = 9.0  # times all noise, from which LONGEST are refitted: small amounts, by which causes are ranked, say little of what large ones do
 TIED = 4.0  # twice nats: a likelihood ratio of seven
 ORDER = {cause.name: i for i, cause in enumerate(CAUSES)}
+TWINS = {LATE_TAXELS: LAG_OF_TAXELS}  # what differs only in the fit: of a short time, damping takes up nearly all
 WITHIN = 0.35  # share of the best score, below which no refit makes up for the difference
 
 
@@ -53,11 +54,13 @@ def _commoner_first(trials: list[Trial]) -> list[Trial]:
 
 def _best(ranked: Sequence[Ranked], tried: Callable[[Iterable[Ranked]], Iterator[Trial]], known: set[Key], most: int) -> list[Trial]:
     """Trials of the best few causes, at most `most`, and of those near them that are known. Causes that physics rules out are no measure
-    for the others: where the best is ruled out, those near the next best are tried; where all are, those that rank next."""
-    near = [r for r in ranked if r.score > WITHIN * ranked[0].score]
+    for the others: where the best is ruled out, those near the next best are tried; where all are, those that rank next. The twin of the
+    best is tried wherever it ranks."""
+    twin = TWINS.get(ranked[0].key) if ranked else None
+    near = [r for r in ranked if r.score > WITHIN * ranked[0].score or r.key == twin]
     queue, after = iter(near[:LONGEST]), ranked[len(near) :]
     trials = list(islice(tried(queue), most))
-    trials += tried([r for r in (*queue, *near[LONGEST:]) if r.key in known])
+    trials += tried([r for r in (*queue, *near[LONGEST:]) if r.key in known or r.key == twin])
     if not trials:
         return _best(after, tried, known, most) if after else []
     best = max(t.ranked.score for t in trials)
