@@ -99,6 +99,17 @@ def test_spikes_of_nine_standard_deviations_stand_apart_and_heavy_tails_do_not()
     assert min(seen) >= 20 and max(seen) <= 42
 
 
+@pytest.mark.parametrize(("kind", "rivals"), [("loud at times", (("noise", "load_cell"),)), ("garbage of one sign", ()), ("spikes", ())])
+def test_a_sensor_that_is_loud_at_times_may_be_noisy_as_well_as_have_outliers(kind, rivals):
+    rng, slow = np.random.default_rng(4), 20.0 * np.sin(np.arange(12_000) / 300.0)
+    e, starts = rng.standard_normal(slow.size), rng.choice(slow.size // 60, 40, replace=False) * 60 + 10
+    for at in starts:
+        n = {"loud at times": 30, "garbage of one sign": 5, "spikes": 1}[kind]
+        e[at : at + n] += 12.0 * (rng.standard_normal(n) if kind == "loud at times" else 3.0 + 0.1 * rng.standard_normal(n))
+    (found,) = find_outliers(("force",), [Said("a", e[None], (slow + e)[None], np.zeros(slow.size, bool))], 0.01)
+    assert found.alternatives == rivals
+
+
 def test_heavy_tails_in_coarse_steps_are_no_outliers(tmp_path):
     """Steps larger than the noise round what goes beyond a level up to the next one: here 50 samples go beyond, and 24 were expected."""
     sessions, _ = make_sessions([], seed=1013840389, n_taxels=3, protocol="full", encoder_step_um=10.0)

@@ -11,6 +11,8 @@ from skin_ident.estimators.scale import rms
 from skin_ident.recordings.recording import Recording
 from skin_ident.stretches import runs
 
+LASTING, TURNING = 8, 0.15  # samples of an excursion, and share of them that change sign, from which it is as noise
+HELD = "the same motions again with its cable and connector held still, and a look at single samples of the bursts"
 LEFT = 0.5  # share of their size that outliers must keep under the extended model
 
 
@@ -58,8 +60,20 @@ def told(
     bad = {(name, channel): a | s for name, a, s in zip(names, away, still, strict=True) if (a | s).any()}
     rate = (runs_still + runs_away) / (sum(a.size for a in away) * dt)
     parameters = {"rate": quantity(rate, "1/s"), "size": quantity(rms(wrong), "N")}
-    evidence = {"why": why, "count": count, "excursions": runs_away}
-    return Symptom("outliers", sensor_of(channel, n_taxels), (channel,), parameters, evidence, bad)
+    evidence, where = {"why": why, "count": count, "excursions": runs_away}, sensor_of(channel, n_taxels)
+    rivals = {"alternatives": (("noise", where),), "apart": HELD} if _are_noisy(lines, ran) else {}
+    return Symptom("outliers", where, (channel,), parameters, evidence, bad, **rivals)
+
+
+def _are_noisy(lines: list[AsRead], away: list[np.ndarray]) -> bool:
+    """Whether excursions, masks (N,) of each session, last for many samples and change sign within as noise does: a sensor whose noise is
+    loud at times."""
+    lengths = np.concatenate([np.subtract(*runs(a)[::-1]) for a in away])
+    if not lengths.size or lengths.mean() < LASTING:
+        return False
+    wrong = [away_from_around(line.e, a) for line, a in zip(lines, away, strict=True)]
+    turned = np.concatenate([np.sign(w[1:]) != np.sign(w[:-1]) for w in wrong if w.size])
+    return bool(turned.mean() > TURNING)
 
 
 def are_left(symptom: Symptom, recordings: Sequence[Recording], row: int, residuals: list[np.ndarray]) -> bool:
