@@ -33,7 +33,7 @@ def sent_twice(codes: list[np.ndarray], longest: int) -> Iterator[tuple[int, int
     if not whole:
         return
     at_least = [_at_least(lively, readings) for lively in parts]
-    _, fall = _tail(sum(_padded(at_least)), FEW_MORE)
+    _, fall = _tail(_padded(at_least).sum(axis=0), FEW_MORE)
     for k, d, start, end, lively in whole:
         many, own = _tail(at_least[d - SHORTEST])
         expected = many[-1] * max(fall, own) ** max(lively - (many.size - 1), 0)

@@ -71,9 +71,9 @@ def _are_noisy(lines: list[AsRead], away: list[np.ndarray]) -> bool:
     lengths = np.concatenate([np.subtract(*runs(a)[::-1]) for a in away])
     if not lengths.size or lengths.mean() < LASTING:
         return False
-    wrong = [away_from_around(line.e, a) for line, a in zip(lines, away, strict=True)]
-    turned = np.concatenate([np.sign(w[1:]) != np.sign(w[:-1]) for w in wrong if w.size])
-    return bool(turned.mean() > TURNING)
+    signs = [np.sign(away_from_around(line.e, a)) for line, a in zip(lines, away, strict=True)]
+    turns = sum(np.count_nonzero(s[1:] != s[:-1]) for s in signs)
+    return turns > TURNING * lengths.sum()
 
 
 def are_left(symptom: Symptom, recordings: Sequence[Recording], row: int, residuals: list[np.ndarray]) -> bool:
