@@ -7,6 +7,7 @@ pytest.importorskip("skin_testbed_msgs")
 
 from skin_ident.ros import demo, testbed
 from skin_ident.ros.demo import _announced, answer, main, specimen_with_secret
+from skin_testbed_driver.rigs.simulated import Imperfections
 
 
 @pytest.mark.parametrize(
@@ -42,6 +43,13 @@ def test_the_answer_says_how_large_both_are_where_they_are_the_same():
     assert "hidden: lag in the taxel (tau 50.0 ms)" in said
     assert said.endswith("found:  lag in the taxel (tau 52 ± 1 ms), lag in the load_cell")
     assert answer(None, {"findings": []}) == "\nhidden: nothing\nfound:  nothing"
+
+
+def test_a_zero_of_depth_that_is_found_beside_what_was_hidden_is_the_rigs_own():
+    zero = {"cause": "position_offset", "where": "rig", "parameters": {"offset": {"value": 2.5e-6, "unit": "m", "std": 1e-7}}}
+    screw = f"{1e6 * Imperfections().screw_error:g} µm"
+    assert all(screw in answer(hidden, {"findings": [zero]}).splitlines()[-1] for hidden in (None, specimen_with_secret(1, "lag")[1]))
+    assert screw not in answer(None, {"findings": []})
 
 
 def test_of_a_session_that_is_stopped_nothing_is_kept_and_those_before_it_stay(tmp_path, monkeypatch):

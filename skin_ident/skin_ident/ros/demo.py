@@ -22,6 +22,7 @@ from rosbags.typesys import Stores, get_typestore
 from skin_ident.cli import common
 from skin_ident.cli.diagnose import write as write_diagnosis
 from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.vocabulary import ZERO_OF_DEPTH
 from skin_ident.recordings.load import load
 from skin_ident.report.numbers import amount
 from skin_ident.report.terminal import summary
@@ -43,6 +44,9 @@ HIDEABLE = {  # without zero offsets of sensors: the tare removes them
     "lag": "taxel",
     "saturation": "taxel",
 }
+SCREW = (
+    "\n        (the screw of the simulated rig puts the plunger up to 2.5 µm beside what its encoder reads: the same as a zero of depth)"
+)
 NOTHING = "none"
 SECRET = "secret_specimen.yaml"
 SESSIONS = 3
@@ -158,16 +162,18 @@ def _samples(reader: AnyReader, who: str) -> dict[tuple[int, int], np.ndarray]:
 
 
 def answer(hidden: Effect | None, findings: dict) -> str:
-    """What was hidden, against what was found; and how large, where both have the same parameters."""
+    """What was hidden, against what was found; and how large, where both have the same parameters. A zero of depth is not hidden, but the
+    rig may have one."""
+    of_rig = SCREW if any((f["cause"], f["where"]) == ZERO_OF_DEPTH for f in findings["findings"]) else ""
     if hidden is None:
-        return _both("nothing", [_at(f["cause"], f["where"]) for f in findings["findings"]])
+        return _both("nothing", [_at(f["cause"], f["where"]) for f in findings["findings"]]) + of_rig
     own, sizes, found = {p.name: p for p in parameters_of(hidden) if p.value}, [], []
     for f in findings["findings"]:
         same = {n: q for n, q in f["parameters"].items() if n in own and (f["cause"], f["where"]) == hidden.key}
         like = {n: [own[n].value, q["value"]] for n, q in same.items()}
         sizes += [f"{n} {amount(own[n].value, own[n].unit, like=like[n])}" for n in same]
         found.append(_at(f["cause"], f["where"], [f"{n} {amount(q['value'], q['unit'], q['std'], like[n])}" for n, q in same.items()]))
-    return _both(_at(hidden.cause, hidden.where, sizes), found)
+    return _both(_at(hidden.cause, hidden.where, sizes), found) + of_rig
 
 
 def _at(cause: str, where: str, sizes: Sequence[str] = ()) -> str:
