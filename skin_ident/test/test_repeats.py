@@ -107,6 +107,10 @@ def test_a_line_whose_period_is_a_whole_number_of_samples_is_no_packet_sent_twic
     assert find_copies([read(replace(r, force=r.force + line), force_step=step)]) == []
 
 
+def test_a_sensor_that_stands_still_repeats_no_packets():
+    assert repeats_of([np.full((4000, 1), 0.5)]) == []
+
+
 def tabled(folder, r, late) -> Path:
     """A table of the recording, each stamp as `late` as it says, s."""
     rows = np.array([r.t + late, 1e3 * r.depth, r.force, *r.taxels]).T

@@ -68,3 +68,5 @@ def test_a_lag_of_the_taxels_is_tried_wherever_it_ranks_beside_taxels_that_are_l
     others = [cause(f"c{i}", 900.0 - i) for i in range(2 * LONGEST)]
     assert "lag" in listed([late, *others, lag])
     assert "lag" not in listed([others[0], late, *others[1:], lag])
+    near, far = cause("sensor", 300.0), [cause("other", 290.0), cause("rest", 280.0)]
+    assert listed([late, near, *far, lag], ruled_out={"time_shift", "lag"}) == ["sensor", "other", "rest"]

@@ -164,24 +164,19 @@ def _samples(reader: AnyReader, who: str) -> dict[tuple[int, int], np.ndarray]:
 def answer(hidden: Effect | None, findings: dict) -> str:
     """What was hidden, against what was found; and how large, where both have the same parameters. A zero of depth is not hidden, but the
     rig may have one."""
-    of_rig = SCREW if any((f["cause"], f["where"]) == ZERO_OF_DEPTH for f in findings["findings"]) else ""
-    if hidden is None:
-        return _both("nothing", [_at(f["cause"], f["where"]) for f in findings["findings"]]) + of_rig
-    own, sizes, found = {p.name: p for p in parameters_of(hidden) if p.value}, [], []
-    for f in findings["findings"]:
-        same = {n: q for n, q in f["parameters"].items() if n in own and (f["cause"], f["where"]) == hidden.key}
+    own = {p.name: p for p in parameters_of(hidden) if p.value} if hidden else {}
+    keys, sizes, found = [(f["cause"], f["where"]) for f in findings["findings"]], [], []
+    for key, f in zip(keys, findings["findings"], strict=True):
+        same = {n: q for n, q in f["parameters"].items() if n in own and key == hidden.key}
         like = {n: [own[n].value, q["value"]] for n, q in same.items()}
         sizes += [f"{n} {amount(own[n].value, own[n].unit, like=like[n])}" for n in same]
-        found.append(_at(f["cause"], f["where"], [f"{n} {amount(q['value'], q['unit'], q['std'], like[n])}" for n, q in same.items()]))
-    return _both(_at(hidden.cause, hidden.where, sizes), found) + of_rig
+        found.append(_at(*key, [f"{n} {amount(q['value'], q['unit'], q['std'], like[n])}" for n, q in same.items()]))
+    said = f"\nhidden: {_at(*hidden.key, sizes) if hidden else 'nothing'}\nfound:  {', '.join(found) or 'nothing'}"
+    return said + (SCREW if ZERO_OF_DEPTH in keys else "")
 
 
 def _at(cause: str, where: str, sizes: Sequence[str] = ()) -> str:
     return f"{cause} in the {where}" + (f" ({', '.join(sizes)})" if sizes else "")
-
-
-def _both(hidden: str, found: Sequence[str]) -> str:
-    return f"\nhidden: {hidden}\nfound:  {', '.join(found) or 'nothing'}"
 
 
 class Teller:

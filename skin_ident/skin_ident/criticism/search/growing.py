@@ -59,10 +59,8 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
 def spared(present: Fit, key: Key, sessions: list[Session], noise: Whitener) -> Fit:
     """The fit without those of several instances of a cause that explain nothing now that all others are known: what was named first, in
     one form, others may have taken over."""
-    while len(own := [i for i, e in enumerate(present.model.effects) if e.key == key]) > 1:
-        effects = present.model.effects
-        without = (fit(replace(present.model, effects=(*effects[:i], *effects[i + 1 :])), sessions, noise) for i in own)
-        fewer = min(without, key=lambda f: f.cost)
+    while len(own := present.model.having(key)) > 1:
+        fewer = min((fit(present.model.without(e), sessions, noise) for e in own), key=lambda f: f.cost)
         if fewer.cost - present.cost >= INSTANCE:
             break
         present = fewer
@@ -229,9 +227,8 @@ def _extended(model: Model, effect: Effect) -> Model:
     plain = next((e for e in model.effects if type(e) is effect.refines and e.where == effect.where and not _shaped(e)), None)
     if plain is None:
         return model.extended(effect)
-    kept = tuple(e for e in model.effects if e is not plain)
     both = {name: value + getattr(effect, name) for name, value in plain.values.items()}
-    return replace(model, effects=(*kept, effect.with_values(**clipped(type(effect), **both))))
+    return model.without(plain).extended(effect.with_values(**clipped(type(effect), **both)))
 
 
 def _adds(d: Direction, model: Model) -> bool:

@@ -58,7 +58,8 @@ def _best(ranked: Sequence[Ranked], tried: Callable[[Iterable[Ranked]], Iterator
     best is tried wherever it ranks."""
     twin = TWINS.get(ranked[0].key) if ranked else None
     near = [r for r in ranked if r.score > WITHIN * ranked[0].score or r.key == twin]
-    queue, after = iter(near[:LONGEST]), ranked[len(near) :]
+    queue, keys = iter(near[:LONGEST]), {r.key for r in near}
+    after = [r for r in ranked if r.key not in keys]
     trials = list(islice(tried(queue), most))
     trials += tried([r for r in (*queue, *near[LONGEST:]) if r.key in known or r.key == twin])
     if not trials:

@@ -40,15 +40,8 @@ def find_copies(recordings: list) -> list[Symptom]:
 def _blocks(recordings: list) -> list[Symptom]:
     """Stretches that repeat in all channels, with the depth either repeating as well or clearly different, or in noise of a channel."""
     again = repeats_of([np.array([r.read(c) for c in r.channels]).T for r in recordings])
-    channels = tuple(recordings[0].channels)
-
-    def copied(r: Repeat) -> bool:
-        if _with_its_depth(recordings, r) or _moved_otherwise(recordings, r, channels[0]):
-            return True
-        return any(_of_noise(recordings[r.at], r, c, _step(recordings[r.at], c)) for c in channels)
-
-    again = [r for r in again if r.is_rare and copied(r)]
-    return [_copy(recordings, again, channels)] if again else []
+    again = [r for r in again if r.is_rare and _is_copied_whole(recordings, r)]
+    return [_copy(recordings, again, tuple(recordings[0].channels))] if again else []
 
 
 def _channel_blocks(recordings: list, known: dict[str, np.ndarray]) -> Iterator[Symptom]:
@@ -62,6 +55,14 @@ def _channel_blocks(recordings: list, known: dict[str, np.ndarray]) -> Iterator[
         again = [r for r in again if _is_copied(recordings, r, channel, steps[r.at])]
         if again:
             yield _copy(recordings, again, (channel,))
+
+
+def _is_copied_whole(recordings: list, again: Repeat) -> bool:
+    """Whether a stretch that repeats in all channels, more often than chance explains, was copied."""
+    here = recordings[again.at]
+    if _with_its_depth(recordings, again) or _moved_otherwise(recordings, again, next(iter(here.channels))):
+        return True
+    return any(_of_noise(here, again, c, _step(here, c)) for c in here.channels)
 
 
 def _is_copied(recordings: list, again: Repeat, channel: str, step: float) -> bool:

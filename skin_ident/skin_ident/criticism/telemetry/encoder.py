@@ -39,7 +39,7 @@ def find_encoder_faults(recordings: list, dead: Collection[Symptom] = ()) -> lis
     evened = [_evened(d, step) for d in departed]
     limits = _limits(evened, STEPS * step)
     masks = [
-        _faults(d, e, _unseen(r, d, stiffness, dead) & (np.abs(e) > limits[0]), r.depth, limits[1])
+        _faults(d, _unseen(r, d, stiffness, dead) & (e > limits[0]), e > limits[1], r.depth)
         for r, d, e in zip(recordings, departed, evened, strict=True)
     ]
     count = int(sum(m.sum() for m in masks))
@@ -82,19 +82,19 @@ def _detrended(y: np.ndarray) -> np.ndarray:
 
 
 def _evened(departed: np.ndarray, step: float) -> np.ndarray:
-    """The departures (N-1,), made smaller where there is more noise than usual, and than a `step`: noise that grows with the load, or comes
-    in bursts, has far samples that are no jumps."""
+    """Sizes of the departures (N-1,), made smaller where there is more noise than usual, and than a `step`: noise that grows with the load,
+    or comes in bursts, has far samples that are no jumps."""
     size = np.abs(departed)
     usual = max(float(np.quantile(size, MOST)), step)
-    return departed * usual / np.maximum(percentile_filter(size, 100.0 * MOST, AROUND), usual)
+    return size * usual / np.maximum(percentile_filter(size, 100.0 * MOST, AROUND), usual)
 
 
-def _faults(departed: np.ndarray, evened: np.ndarray, silent: np.ndarray, x: np.ndarray, apart: float) -> np.ndarray:
-    """Mask (N,) of samples that jump away and back by more than `apart`, and of runs that stand still and then jump, where `silent` (N-1,)
-    says that a large departure shows in no channel. The `evened` departures are compared with `apart`."""
+def _faults(departed: np.ndarray, silent: np.ndarray, far: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Mask (N,) of samples that jump away and back, and of runs that stand still and then jump, where `silent` (N-1,) says that a large
+    departure shows in no channel, and `far` (N-1,) that it may be a jump."""
     if not silent.any():
         return np.zeros(x.size, bool)
-    mask = paired(np.concatenate([[0.0], np.cumsum(departed)]), departed, np.flatnonzero(silent & (np.abs(evened) > apart)))
+    mask = paired(np.concatenate([[0.0], np.cumsum(departed)]), departed, np.flatnonzero(silent & far))
     for a, b in zip(*held(x, FROZEN), strict=True):
         if silent[b - 1] and not mask[b]:
             mask[a:b] = True

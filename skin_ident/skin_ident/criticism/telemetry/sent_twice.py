@@ -12,6 +12,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from skin_ident.stretches import runs
+
 SHORTEST = 6  # samples of a block
 MANY, FEW_MORE = 30, 3  # runs from which their fall is known, and the number by which luck may have made the next too few
 
@@ -26,34 +28,22 @@ def sent_twice(codes: list[np.ndarray], longest: int) -> Iterator[tuple[int, int
     for d in distances:
         parts.append(np.zeros(0, int))
         for k, (row, c) in enumerate(zip(codes, changes, strict=True)):
-            starts, ends = _runs(row[d:] == row[:-d])
+            starts, ends = runs(row[d:] == row[:-d])
             lively, full = c[d + ends] - c[d + starts], ends - starts >= d
             parts[-1] = np.append(parts[-1], lively[~full])
             whole += [(k, d, *map(int, block)) for block in zip(starts[full], ends[full], lively[full], strict=True)]
-    if not whole:
+    if not whole or readings < MANY:  # of a sensor that stands still nothing is known
         return
-    at_least = [_at_least(lively, readings) for lively in parts]
-    _, fall = _tail(_padded(at_least).sum(axis=0), FEW_MORE)
+    _, fall = _tail(_at_least(np.concatenate(parts), readings * len(distances)), FEW_MORE)
     for k, d, start, end, lively in whole:
-        many, own = _tail(at_least[d - SHORTEST])
+        many, own = _tail(_at_least(parts[d - SHORTEST], readings))
         expected = many[-1] * max(fall, own) ** max(lively - (many.size - 1), 0)
         yield k, d + start, start, end - start, lively, float(len(distances) * expected)
-
-
-def _runs(equal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Start and end of every run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], equal, [False])).astype(np.int8)))
-    return edges[::2], edges[1::2]
 
 
 def _at_least(lively: np.ndarray, readings: int) -> np.ndarray:
     """How many runs there are with at least 0, 1, 2, … changes, from the changes in each; with 0, as many as `readings`."""
     return np.append(readings, np.cumsum(np.bincount(lively, minlength=2)[:0:-1])[::-1])
-
-
-def _padded(rows: list[np.ndarray]) -> np.ndarray:
-    """Rows of different lengths, made as long as the longest with zeros."""
-    return np.array([np.pad(row, (0, max(r.size for r in rows) - row.size)) for row in rows])
 
 
 def _tail(at_least: np.ndarray, more: int = 0) -> tuple[np.ndarray, float]:

@@ -61,19 +61,19 @@ def told(
     rate = (runs_still + runs_away) / (sum(a.size for a in away) * dt)
     parameters = {"rate": quantity(rate, "1/s"), "size": quantity(rms(wrong), "N")}
     evidence, where = {"why": why, "count": count, "excursions": runs_away}, sensor_of(channel, n_taxels)
-    rivals = {"alternatives": (("noise", where),), "apart": HELD} if _are_noisy(lines, ran) else {}
+    rivals = {"alternatives": (("noise", where),), "apart": HELD} if _are_noisy(lines, ran, runs_away) else {}
     return Symptom("outliers", where, (channel,), parameters, evidence, bad, **rivals)
 
 
-def _are_noisy(lines: list[AsRead], away: list[np.ndarray]) -> bool:
-    """Whether excursions, masks (N,) of each session, last for many samples and change sign within as noise does: a sensor whose noise is
-    loud at times."""
-    lengths = np.concatenate([np.subtract(*runs(a)[::-1]) for a in away])
-    if not lengths.size or lengths.mean() < LASTING:
+def _are_noisy(lines: list[AsRead], away: list[np.ndarray], excursions: int) -> bool:
+    """Whether `excursions` in number, masks (N,) of each session, last for many samples and change sign within as noise does: a sensor
+    whose noise is loud at times."""
+    count = sum(int(a.sum()) for a in away)
+    if not count or count < LASTING * excursions:
         return False
     signs = [np.sign(away_from_around(line.e, a)) for line, a in zip(lines, away, strict=True)]
     turns = sum(np.count_nonzero(s[1:] != s[:-1]) for s in signs)
-    return turns > TURNING * lengths.sum()
+    return turns > TURNING * count
 
 
 def are_left(symptom: Symptom, recordings: Sequence[Recording], row: int, residuals: list[np.ndarray]) -> bool:
