@@ -94,7 +94,7 @@ def test_every_clock_is_a_clock_to_the_reader_and_none_is_in_doubt_that_is_named
         ("time_shift", place): NotNamed(1e-3, "half of the data speak for it", doubt=True) for place in ("clock_depth", "clock_taxels")
     }
     record = Recording("a", np.arange(500) / 100.0, None, np.zeros(500), np.zeros((0, 500)))
-    c = SimpleNamespace(not_named=doubts)
+    c = SimpleNamespace(not_named=doubts, extended=SimpleNamespace(model=None))
     _, said = excluded_and_untestable(surveyed(0.0, 0.0, 0.0), [], set(), {}, _not_findings(c, [record], set()), {})
     clocks = [(u["where"], u["channel_clock"]) for u in said if u["cause"] == "time_shift"]
     assert clocks == [("clock", "depth"), ("clock", "taxels")]

@@ -42,6 +42,7 @@ from skin_ident.criticism.sessions.parting import meeting
 from skin_ident.criticism.sessions.session import FITTED, KEPT, Session, longest, motion_under, with_reference
 from skin_ident.criticism.sessions.thinner import thinner, with_own_of_few
 from skin_ident.criticism.telemetry.bursts import told_of_bursts
+from skin_ident.criticism.telemetry.encoder_noise import find_encoder_noise
 from skin_ident.criticism.telemetry.faults import effects_of, with_effects
 from skin_ident.criticism.telemetry.lines import between_lines
 from skin_ident.criticism.telemetry.noise_level import at_leisure, by_drive, find_noise
@@ -284,6 +285,7 @@ def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known:
     found = [
         *(s for s in find_buried(recordings, channels, rest, calm) if s.channels[0] not in coarse),
         *find_noise(recordings, channels, rest, right, lambda: by_drive(model, sessions, recordings, rest, slow)),
+        *find_encoder_noise(recordings),
     ]
     return [*told, *(s for s in found if s.channels[0] not in {*sessions[0].stuck, *uneven})]
 

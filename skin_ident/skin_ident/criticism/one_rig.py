@@ -13,7 +13,15 @@ from skin_ident.criticism.usable import warned_first
 from skin_ident.recordings.declared import FILE_NAME
 
 OF_THE_RIG = ("skin_thickness_mm", "moving_mass_kg", "spread_width_mm", "taxel_positions_mm")
-LARGEST_COUNTS = ("force_step_n", "taxel_step_n", "encoder_step_um", "force_noise_n", "taxel_noise_n", "taxel_gain_uncertainty")
+LARGEST_COUNTS = (
+    "force_step_n",
+    "taxel_step_n",
+    "encoder_step_um",
+    "encoder_noise_um",
+    "force_noise_n",
+    "taxel_noise_n",
+    "taxel_gain_uncertainty",
+)
 PLACED = "taxel_positions_mm"  # not passed on: a recording without it does not say where it presses either
 
 

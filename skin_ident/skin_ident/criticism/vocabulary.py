@@ -190,7 +190,7 @@ CAUSES: tuple[Cause, ...] = (
         "noise",
         "the noise is not what was declared",
         "look for its source before trusting small signals",
-        "a declared noise level in rig.yaml (force_noise_n, taxel_noise_n)",
+        "declared noise levels in rig.yaml (force_noise_n, taxel_noise_n, encoder_noise_um)",
     ),
     Cause("spread_width", "the Gaussian is the right shape with the wrong width", "use the fitted width", "a lateral scan"),
     Cause("spread_shape", "the spread is not a Gaussian", "use the fitted kernel", "a lateral scan with at least six distances"),

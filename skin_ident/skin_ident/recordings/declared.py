@@ -4,6 +4,7 @@
     force_step_n: 0.0678          # one step of the load cell's converter
     taxel_step_n: 0.107           # one number for all, or a list
     encoder_step_um: 0.1
+    encoder_noise_um: 1.5         # standard deviation of the noise of its readings, beside the rounding to steps
     plunger_diameter_mm: 9.9      # kept for other programs: nothing here reads it
     taxel_positions_mm: [[0, 0], [14, 0]]
     contact_position_mm: [0, 0]   # where the plunger presses, in the same frame; or by recording: {session_0: [0, 0], session_1: [5, 0]}
@@ -41,6 +42,7 @@ POSITIONS = "taxel_positions_mm"
 LARGEST = {  # values above which the unit must be wrong
     "sample_rate_hz": 1e6,
     "encoder_step_um": 1e4,
+    "encoder_noise_um": 1e4,
     "plunger_diameter_mm": 1e3,
     "skin_thickness_mm": 1e3,
     "moving_mass_kg": 100.0,
@@ -72,6 +74,7 @@ class Declared:
     force_step_n: float | None = None
     taxel_step_n: tuple[float, ...] = ()
     encoder_step_um: float | None = None
+    encoder_noise_um: float | None = None
     plunger_diameter_mm: float | None = None
     skin_thickness_mm: float | None = None
     moving_mass_kg: float | None = None

@@ -57,7 +57,7 @@ def find_noise(
     `unread` gives the rms error (C,), N, of the simulation from errors of the driving signal (`by_drive`). It is costly, and called only
     where a level is declared.
     """
-    levels = {c: level for c, channel in enumerate(channels) if (level := _declared(recordings[0], channel))}
+    levels = {c: level for c, channel in enumerate(channels) if (level := declared_noise(recordings[0], channel))}
     errors = unread() if levels else np.zeros(0)
     looks = [_looked(channels[c], c, level, errors[c], recordings, residuals, believed) for c, level in levels.items()]
     found = []
@@ -264,7 +264,7 @@ def _of_another_level(look: _Look, louder: float) -> _Unlike | None:
     return "level", f"is {measured:.3g} N, {ratio:.2g} times what is expected: {look.declared}{steps}", numbers
 
 
-def _declared(recording, channel: str) -> float | None:
+def declared_noise(recording, channel: str) -> float | None:
     """The declared noise of a channel, N; None for a taxel that is left in volts."""
     if channel == "force":
         return recording.declared.force_noise_n

@@ -15,6 +15,7 @@ from skin_ident.criticism.search.own_skin import strays
 from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.dead import apart
+from skin_ident.criticism.telemetry.encoder_noise import DECLARED, undeclared_noise
 from skin_ident.criticism.telemetry.quantization import no_finer, undeclared_steps
 from skin_ident.criticism.telemetry.symptom import Symptom, sensor_of
 from skin_ident.criticism.telling.by_session import by_session, most_left
@@ -212,6 +213,12 @@ def _steps_seen(recordings: list) -> dict[str, NotNamed]:
     }
 
 
+def _encoder_noise_seen(recordings: list, model: Model) -> dict[str, NotNamed]:
+    """The note on an encoder that is noisy, where nothing declares how noisy it should be."""
+    because = undeclared_noise(recordings, model)
+    return {"rig": NotNamed(np.inf, because, DECLARED)} if because else {}
+
+
 def _silent(taxel: str, recordings: list) -> NotNamed:
     """The note on a taxel of which it is unknown whether it is dead."""
     because = f"{taxel} does not follow the load in any session, and nothing says that it should: it is open-circuit, or out of reach"
@@ -222,7 +229,11 @@ def _silent(taxel: str, recordings: list) -> NotNamed:
 def _not_findings(c: Criticism, recordings: list, named: set[Key]) -> dict[str, dict[str, NotNamed]]:
     """By cause and place: what is in the record without being a finding, because nothing was declared to compare with or because good
     hardware does as much; without what is `named`."""
-    seen = {"quantization": _steps_seen(recordings), "dead_taxel": {taxel: _silent(taxel, recordings) for taxel in apart(recordings)}}
+    seen = {
+        "quantization": _steps_seen(recordings),
+        "dead_taxel": {taxel: _silent(taxel, recordings) for taxel in apart(recordings)},
+        "noise": _encoder_noise_seen(recordings, c.extended.model),
+    }
     for (cause, where), why in c.not_named.items():
         if (cause, word_of(where)) not in named:
             seen.setdefault(cause, {}).setdefault(where, why)
