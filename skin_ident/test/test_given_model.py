@@ -21,7 +21,7 @@ SQUARE = 3e6  # N/m^2 under the taxels
 BENT = PLAIN.extended(PolynomialStiffness("skin", square_sensed=SQUARE))
 
 
-def session(seed: int, square: float, arms: tuple[StressRelaxation, ...] = ()) -> Recording:
+def session(seed: int, square: float, arms: tuple[StressRelaxation, ...] = (), sigma: float = 0.01) -> Recording:
     """Three sines at once, out of the air and back; a skin that stiffens by `square`, N/m^2, under the taxels, and relaxes by `arms`."""
     rng, t = np.random.default_rng(seed), np.arange(4000) * DT
     w, phase = 2.0 * np.pi * np.array([0.11, 0.43, 1.3]), rng.uniform(0.0, 2.0 * np.pi, (3, 1))
@@ -39,7 +39,7 @@ def session(seed: int, square: float, arms: tuple[StressRelaxation, ...] = ()) -
         more = more + arm.k_sensed * z * (taxels[0] > 0.0)
         force = force + arm.k_dispersed * z * (taxels[0] > 0.0)
     force, taxels = np.maximum(force + more, 0.0), np.maximum(taxels + np.outer(SHARES, more), 0.0)  # skin does not pull
-    noise = 0.01 * rng.standard_normal((3, t.size))
+    noise = sigma * rng.standard_normal((3, t.size))
     return Recording(f"session_{seed}", t, x, force + noise[0], taxels + noise[1:])
 
 
@@ -102,3 +102,15 @@ def test_of_two_arms_the_one_that_a_model_has_is_not_found():
 def test_a_wrong_share_of_a_taxel_that_feels_little_is_a_wrong_number():
     (one,) = found(replace(PLAIN, shares=(1.0, 0.3)), 0.0)["findings"]
     assert one["cause"] == "parameters" and one["parameters"]["share_1"]["value"] == pytest.approx(SHARES[1], rel=0.02)
+
+
+@pytest.mark.parametrize("k2", [1.0, 0.94], ids=["other numbers right", "k2 wrong as well"])
+@pytest.mark.parametrize("seed", range(3))
+def test_the_weight_of_skin_that_a_tare_took_away_is_no_fault_of_a_sensor(seed, k2):
+    """The load cell reads 4 mN more in contact than a model whose skin weighs on the plunger."""
+    sessions = [session(10 * seed + i, 0.0, sigma=0.003) for i in range(3)]
+    weight = 9.80665 * SKIN.m
+    sessions = [replace(s, force=s.force + weight * (s.force > 0.1)) for s in sessions]
+    model = replace(PLAIN, dispersion=replace(SKIN, k2=k2 * SKIN.k2))
+    told = diagnose(sessions[:2], sessions[2:], model).findings
+    assert [f["cause"] for f in told["findings"]] == ["parameters"] * (k2 != 1.0)

@@ -163,7 +163,8 @@ def _part(every: list, looked: Inspected, known: _Known, model: Model | None, pr
     c = _with_the_dead(c, looked)
     if c.train[0].free_mass:
         looked = looked.weighed(c.train[0].heaviest)
-        every = warned_first(every, mass_warnings(c.extended.model.dispersion.m, mass, declared))
+        before = mass if model is None else model.dispersion.m
+        every = warned_first(every, mass_warnings(c.extended.model.dispersion.m, before, declared))
     progress("testing whether a pattern is left")
     after = _with_courses(looked.sessions, c)
     seen = (*_in_the_rest(c, every, after, looked.symptoms), *find_pull(c.extended.model, after))

@@ -17,7 +17,7 @@ from skin_ident.criticism.search.proposals import Direction, directions
 from skin_ident.criticism.search.search import eliminate, run
 from skin_ident.criticism.search.state import MOST_FINDINGS, Progress, Search
 from skin_ident.criticism.search.survey import noise_beside
-from skin_ident.criticism.search.weighing import unweigh
+from skin_ident.criticism.search.weighing import unweigh, weighs_as_skin
 from skin_ident.criticism.sessions.beginning import at_rest
 from skin_ident.criticism.sessions.parting import moved, without_meeting_at, without_parting
 from skin_ident.criticism.sessions.session import Session, longest, weighed
@@ -53,8 +53,9 @@ def criticise(
     fitted = fit(start, train, noise)
 
     def searched(suspected: set[Key]) -> Search:
-        which, weighable = _asked(every, suspected), given is None
+        which, weighable = _asked(every, suspected), given is None or (weighs_as_skin(given) and not mass_declared)
         search = Search(train, held, which, progress, encoder_step, weighable, mass_declared, suspected=suspected, most=most)
+        search.only_lighter = given is not None
         search.baseline = fitted
         _name_all(search)
         return search

@@ -25,7 +25,8 @@ def check_numbers(search: Search, given: Model) -> None:
     numbers stay. Those of its effects alone are changed where that is enough: a simulation may contain an effect that the record has
     not."""
     every = search.present
-    as_given = replace(given, effects=(*given.effects, *_added(given, every.model)))
+    skin = replace(given.dispersion, m=every.model.dispersion.m)  # the weight of skin that a tare took away is no wrong number
+    as_given = replace(given, dispersion=skin, effects=(*given.effects, *_added(given, every.model)))
 
     def fit_added(model: Model, sessions: list[Session], noise: Whitener, iterations: int = ITERATIONS) -> Fit:
         free = tuple(u for u in effect_unknowns(model, sessions[0]) if u.part >= len(given.effects))

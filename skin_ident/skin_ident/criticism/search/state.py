@@ -44,7 +44,7 @@ class Search:
     """The present fit, what was named, what held-out data refused, and the surveys of all rounds.
 
     `which` are the directions that are ranked, `encoder_step` is the step of the depth, m. Where the mass is `weighable`, it may differ
-    from what was assumed, or from what somebody `declared`.
+    from what was assumed, or from what somebody `declared`; that of a given model may be `only_lighter`.
     """
 
     train: list[Session]
@@ -54,6 +54,7 @@ class Search:
     encoder_step: float = 0.0
     weighable: bool = False
     declared: bool = False
+    only_lighter: bool = False
 
     # What is known by now: the present model as fitted, the noise found with it, and the fit without any cause.
     present: Fit = field(init=False)

@@ -8,7 +8,8 @@ of record would be misread with the mass that was set:
 - one whose declared mass hangs on a load cell tared with it, likewise;
 - one of a skin that weighs less than the 4 mN that were set: a good load cell would show it as a curvature.
 
-So when something is wrong the mass is tried beside all causes. Where it accounts for the record better than any of them it belongs to the
+So when something is wrong the mass is tried beside all causes; that of a given model only where it is of skin, which may weigh nothing
+after a tare. Where it accounts for the record better than any of them it belongs to the
 baseline; of a mass that hangs, its inertia does. A mass that was assumed, because nobody declared one, is only an upper bound. Where a
 smaller one explains enough, whatever else is wrong, the mass is fitted between zero and that bound. It is held again at the end if it need
 not have been fitted.
@@ -45,6 +46,11 @@ def with_mass(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | N
     if hung:
         free = fit(free.model.extended(*hung), sessions, noise)
     return free if free.score_over(present) > _least(free, sessions) else None
+
+
+def weighs_as_skin(given: Model) -> bool:
+    """Whether the mass of a given model is one that skin may have, so that its weight may be missing from the record without a fault."""
+    return 0.0 < given.dispersion.m < OF_SKIN
 
 
 def heaviest_of(present: Model, free: Model) -> float:
