@@ -10,6 +10,7 @@ from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.telemetry.more_than_applied import find_more_than_applied
 from skin_ident.criticism.telemetry.odd_session import put_right
 from skin_ident.criticism.vocabulary import MORE_THAN_APPLIED
+from skin_ident.recordings.declared import Declared
 from skin_models.signals import motion
 
 SHALLOW, DEEP = 4.0, 8.0  # of the usual strokes, of which nearly half is in the air
@@ -103,3 +104,12 @@ def test_a_mass_that_weighs_on_the_load_cell_in_contact_alone_is_none_of_it():
     recordings = [*sessions(heavy(DEEP)), replace(sessions(heavy(SHALLOW))[0], name="shallow")]
     assert recordings[0].force.min() < -1.0  # as heavy as much of the load
     assert not find_more_than_applied(recordings[3:]) and not put_right(recordings)[1]
+
+
+@pytest.mark.parametrize(("level", "noise"), [(1.0, False), (5.0, True)], ids=["as quiet as kilograms-force", "quieter still"])
+def test_a_load_cell_as_quiet_as_numbers_in_another_unit_has_no_noise_of_its_own(level, noise):
+    """Noise of 30 mN, written in kilograms-force, is a tenth of what is declared: that is the unit, and no finding beside it."""
+    declared = Declared(force_noise_n=0.03 * level)
+    found = diagnose([replace(kilograms(r), declared=declared) for r in sessions()]).findings["findings"]
+    assert [f["cause"] for f in found] == ["data_error", "noise"][: 1 + noise]
+    assert ("as numbers in kilograms-force are" in found[0]["evidence"]["why"]) != noise

@@ -45,6 +45,7 @@ from skin_ident.criticism.telemetry.bursts import told_of_bursts
 from skin_ident.criticism.telemetry.encoder_noise import find_encoder_noise
 from skin_ident.criticism.telemetry.faults import effects_of, with_effects
 from skin_ident.criticism.telemetry.lines import between_lines
+from skin_ident.criticism.telemetry.more_than_applied import told_by_noise
 from skin_ident.criticism.telemetry.noise_level import at_leisure, by_drive, find_noise
 from skin_ident.criticism.telemetry.odd_session import put_right
 from skin_ident.criticism.telemetry.pull import find_pull
@@ -288,7 +289,7 @@ def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known:
         *find_noise(recordings, channels, rest, right, lambda: by_drive(model, sessions, recordings, rest, slow)),
         *find_encoder_noise(recordings),
     ]
-    return [*told, *(s for s in found if s.channels[0] not in {*sessions[0].stuck, *uneven})]
+    return told_by_noise([*told, *(s for s in found if s.channels[0] not in {*sessions[0].stuck, *uneven})])
 
 
 def _blocks(session: Session) -> tuple[list[Session], list[Session]]:

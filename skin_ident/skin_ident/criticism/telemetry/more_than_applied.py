@@ -6,10 +6,12 @@ serves as an instrument, so that noise of the load cell does not bias the ratio:
     ratio = sum (x - mean x) taxel / sum (x - mean x) force
 
 is k1 / (k1 + k2) of the thesis's model, below one for every skin. Above one, force and taxel are not in the same unit, their columns are
-exchanged, a calibration is wrong, or another taxel leaks into this one. The record cannot tell which.
+exchanged, a calibration is wrong, or another taxel leaks into this one. The ratio cannot tell which; where noise is declared, a load cell
+that is as much too quiet as numbers in another unit are too small speaks for that unit.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,6 +24,7 @@ MORE, SURE = 1.1, 3.0  # least ratio that is reported; standard errors by which 
 BLOCKS = 10  # blocks of a session, for the standard error
 LEAST = 0.3  # least share of the force that skin leads through the taxel under the plunger
 UNITS = {9.80665: "kilograms-force", 4.44822: "pounds-force", 1000.0: "kilonewtons"}  # newtons in one of each unit
+AS_QUIET = 0.25  # relative deviation of the noise, over what is declared, from what it is in another unit
 WHOLE = 1e-6  # relative deviation of a step from a whole number, up to which readings are counts
 APART = "hang one known weight on the load cell, and lay it on the taxel"
 
@@ -55,6 +58,21 @@ def is_left(symptom: Symptom, model: Model) -> bool:
     the model's skin may lead less than the whole force through the taxel."""
     i = int(symptom.channels[-1].rpartition("_")[2])
     return model.shares[i] * model.dispersion.sensed_share >= 1.0
+
+
+def told_by_noise(symptoms: Sequence[Symptom]) -> list[Symptom]:
+    """The symptoms, where noise tells the unit of a load cell that reads less than a taxel: its noise is then no finding of its own, but
+    evidence for that unit."""
+    more = next((s for s in symptoms if s.evidence.get("kind") == MORE_THAN_APPLIED), None)
+    quiet = next((s for s in symptoms if (s.cause, s.where, s.evidence.get("kind")) == ("noise", "load_cell", "level")), None)
+    if not (more and quiet):
+        return [*symptoms]
+    times = quiet.parameters["times_expected"]["value"]
+    unit = next((name for f, name in _units(more.evidence["ratio"]) if abs(times * f - 1.0) < AS_QUIET), None)
+    if not unit:
+        return [*symptoms]
+    why = f"{more.evidence['why']}; its noise, too, is {times:.2g} times what rig.yaml declares, as numbers in {unit} are"
+    return [replace(s, evidence={**s.evidence, "why": why}) if s is more else s for s in symptoms if s is not quiet]
 
 
 def in_newtons(recordings: list, i: int) -> bool:
@@ -103,10 +121,11 @@ def _symptom(recordings: list, i: int, ratio: Ratio) -> Symptom:
 
 def _guesses(channel: str, ratio: float) -> list[str]:
     """Explanations, in words, under which the ratio becomes a share that skin can have."""
-    units = [
-        f"if the load cell's numbers are {name}, not newtons, its share is {ratio / f:.2g}"
-        for f, name in UNITS.items()
-        if LEAST < ratio / f < 1.0
-    ]
+    units = [f"if the load cell's numbers are {name}, not newtons, its share is {ratio / f:.2g}" for f, name in _units(ratio)]
     swapped = [f"if the columns force and {channel} are exchanged, its share is {1.0 / ratio:.2g}"] if LEAST < 1.0 / ratio < 1.0 else []
     return [*swapped, *units]
+
+
+def _units(ratio: float) -> list[tuple[float, str]]:
+    """The units of the load cell's numbers, as newtons in one and name, in which the ratio becomes a share that skin can have."""
+    return [(f, name) for f, name in UNITS.items() if LEAST < ratio / f < 1.0]
