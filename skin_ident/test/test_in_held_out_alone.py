@@ -12,19 +12,21 @@ from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.courses.course import added
 from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.noise.whitening import white
+from skin_ident.criticism.search.alone import drop_alone, take_alone
 from skin_ident.criticism.search.named import Named
-from skin_ident.criticism.search.own import drop_alone, take_alone
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.sessions.parting import without_parting
 from skin_ident.criticism.sessions.session import prepare, with_reference
 from skin_ident.recordings.load import load
+from skin_models.effects.saturation import LeakySaturation
 
 
-def searching(folder, jump: float) -> Search:
-    """A search at its beginning; the zero of the load cell jumps by `jump` (N) in the middle of the held-out session."""
+def searching(folder, jump: float, gain: float = 1.0) -> Search:
+    """A search at its beginning. In the held-out session the load cell has another `gain`, and its zero jumps by `jump` (N) in the
+    middle."""
     made, _ = make_sessions(None, seed=72, n_sessions=3, noise="white")
     late = made[2].t > np.median(made[2].t)
-    write_case([*made[:2], replace(made[2], force=made[2].force + jump * late)], folder)
+    write_case([*made[:2], replace(made[2], force=gain * made[2].force + jump * late)], folder)
     sessions = with_reference([prepare(r) for r in load(folder)])
     start = dispersion_start(sessions[:2], 0.0)
     sessions = [without_parting(s, start.dispersion) for s in sessions]
@@ -70,3 +72,15 @@ def test_it_hides_no_cause_that_training_shows(named):
     assert named.fallen(channel) == 0.0
     named.named.append(shared(named.named[0].gain))
     assert named.fallen(channel) > 0.0
+
+
+@pytest.mark.parametrize("supported", [True, False])
+def test_it_is_left_to_a_cause_that_training_supports_and_that_explains_as_much_of_it(tmp_path, supported):
+    """A gain of 0.95 in the held-out session alone; a clipped load cell that leaks, as training may show it, explains as much."""
+    search = searching(tmp_path, 0.0, gain=0.95)
+    clipped = fit(search.present.model.extended(LeakySaturation("load_cell", level=0.3, lost=0.01)), search.train, search.noise, 0)
+    explained = 10.0 * search.least(search.present.count) if supported else 0.0
+    search.grown = {("saturation", "load_cell"): replace(clipped, cost=search.present.cost - explained)}
+    assert take_alone(search) == (not supported)
+    assert [n.key for n in search.named] == [("gain_error", "load_cell")] * (not supported)
+    assert [*search.doubts] == [("saturation", "load_cell")] * supported

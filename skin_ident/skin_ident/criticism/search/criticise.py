@@ -6,12 +6,12 @@ from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.noise.whitening import Whitener
+from skin_ident.criticism.search.alone import drop_alone
 from skin_ident.criticism.search.doubt import unproven
 from skin_ident.criticism.search.driving import with_load_cell
 from skin_ident.criticism.search.exchange import exchange
 from skin_ident.criticism.search.given_numbers import check_numbers
 from skin_ident.criticism.search.named import Criticism
-from skin_ident.criticism.search.own import drop_alone
 from skin_ident.criticism.search.own_skin import settle_skin, tell_of_skin
 from skin_ident.criticism.search.proposals import Direction, directions
 from skin_ident.criticism.search.search import eliminate, run

@@ -24,9 +24,9 @@ from skin_ident.criticism.gates.gate import Gain, gain_of_residuals
 from skin_ident.criticism.noise.whitening import stack
 from skin_ident.criticism.projection import basis, projected_off
 from skin_ident.criticism.said import Said
+from skin_ident.criticism.search.alone import courses_alone
 from skin_ident.criticism.search.hardware import skin_does, specimens_do
 from skin_ident.criticism.search.named import Named
-from skin_ident.criticism.search.own import courses_alone
 from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.sessions.session import Session

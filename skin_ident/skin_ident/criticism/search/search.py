@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.run import Run
+from skin_ident.criticism.search.alone import take_alone
 from skin_ident.criticism.search.choosing import choose
 from skin_ident.criticism.search.growing import spared
 from skin_ident.criticism.search.named import Named
-from skin_ident.criticism.search.own import take_alone, take_course
+from skin_ident.criticism.search.own import take_course
 from skin_ident.criticism.search.own_skin import (
     explained_by_own_skin,
     settle_skin,
