@@ -41,12 +41,14 @@ def take_alone(search: Search) -> bool:
         gain = _gain_alone(search, run) if run else None
         if gain is None:
             return False
-        if not take_tare_of_held(search, run.course.cause, run.score):
-            cause = _cause_instead(search, run)
-            search.doubts |= {cause: unproven()} if cause else {}
-            if not cause:
-                _name_alone(search, run, gain, runs)
-            return cause is None
+        if take_tare_of_held(search, run.course.cause, run.score):
+            continue
+        cause = _cause_instead(search, run)
+        if cause:
+            search.doubts[cause] = unproven()
+            return False
+        _name_alone(search, run, gain, runs)
+        return True
     return False
 
 

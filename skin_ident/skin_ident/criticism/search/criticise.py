@@ -54,8 +54,8 @@ def criticise(
 
     def searched(suspected: set[Key]) -> Search:
         which, weighable = _asked(every, suspected), given is None or (weighs_as_skin(given) and not mass_declared)
-        search = Search(train, held, which, progress, encoder_step, weighable, mass_declared, suspected=suspected, most=most)
-        search.only_lighter = given is not None
+        known = (encoder_step, weighable, mass_declared, given is not None)
+        search = Search(train, held, which, progress, *known, suspected=suspected, most=most)
         search.baseline = fitted
         _name_all(search)
         return search

@@ -26,7 +26,7 @@ from skin_ident.criticism.search.together import take_pair, two_at_once
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.search.unstuck import unstuck
 from skin_ident.criticism.search.wandering import take_wave
-from skin_ident.criticism.search.weighing import lighter, may_wait, weigh, weighs, with_mass
+from skin_ident.criticism.search.weighing import may_wait, other_mass, weigh, weighs
 
 PASSES = 40  # rounds at most; some name nothing and only mend the baseline, and searches settle long before
 
@@ -64,8 +64,7 @@ def _round(search: Search) -> bool:
     if settle_zeros(search):
         return True
     trials, runs = single_before_several(search, search.trials(last)), search.own_courses()
-    mass = with_mass(search.present, search.train, search.noise) if search.weighable else None
-    mass = mass if mass and (lighter(search.present.model, mass.model) or not search.only_lighter) else None
+    mass = other_mass(search)
     of_trials = max((t.score for t in trials), default=0.0)
     best = max([0.0, of_trials, *(r.score for r in runs)])
     if mass and weighs(search, mass, best):

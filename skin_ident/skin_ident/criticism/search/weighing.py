@@ -36,6 +36,12 @@ HANGS = 0.01  # kg; a mass set to this or more may hang on the load cell, while 
 OF_SKIN = 0.005  # kg, of a few square centimetres as thick as a finger's width: the most that skin under a plunger may weigh
 
 
+def other_mass(search: Search) -> Fit | None:
+    """The fit with the mass free, where the mass may differ as the free one does and that explains enough to matter."""
+    free = with_mass(search.present, search.train, search.noise) if search.weighable else None
+    return free if free and (lighter(search.present.model, free.model) or not search.only_lighter) else None
+
+
 def with_mass(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | None:
     """The fit with the mass free, where it was set and that explains enough to matter; of a mass that hangs, with its inertia."""
     if sessions[0].free_mass or sessions[0].drive is not None or "force" not in sessions[0].channels:

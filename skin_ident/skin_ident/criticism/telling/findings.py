@@ -216,7 +216,7 @@ def _steps_seen(recordings: list) -> dict[str, NotNamed]:
 def _encoder_noise_seen(recordings: list, model: Model) -> dict[str, NotNamed]:
     """The note on an encoder that is noisy, where nothing declares how noisy it should be."""
     because = undeclared_noise(recordings, model)
-    return {"rig": NotNamed(np.inf, because, DECLARED)} if because else {}
+    return {sensor_of("depth", len(recordings[0].taxels)): NotNamed(np.inf, because, DECLARED)} if because else {}
 
 
 def _silent(taxel: str, recordings: list) -> NotNamed:
