@@ -19,6 +19,13 @@ def unproven() -> NotNamed:
     return NotNamed(np.inf, why, REPEATED, doubt=True)
 
 
+def absent(sessions: tuple[str, ...]) -> NotNamed:
+    """Why what all fitted sessions share is no finding, where the held-out `sessions` lack it and no other one can confirm it."""
+    which = " and ".join(sessions)
+    why = f"the fitted sessions predict each other better with it, but what is held out ({which}) is predicted better without it"
+    return NotNamed(np.inf, why, "a held-out session of the same days as those that support it", doubt=True)
+
+
 def yields() -> NotNamed:
     """Why what held-out data support is no finding, where zeros of single sessions explain as much."""
     return NotNamed(np.inf, "zero offsets of single sessions, such as tares and stages leave, explain as much", TARED, doubt=True)

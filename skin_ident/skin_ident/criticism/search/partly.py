@@ -194,29 +194,30 @@ def _tried(search: Search, seen: _Seen) -> _Tried | None:
     trial = None
     for _ in range(TIMES):
         ahead = search.ahead(search.present)
-        ahead.train = _without(search.train, key, lacking)
+        ahead.train = with_lacking(search.train, key, lacking)
         if trial is None:
             trial = ahead.tried(survey(search.present.model, ahead.train, own, search.noise).ranked[0])
         else:
             after = fit(trial.fit.model, ahead.train, search.noise)
             trial = replace(trial, fit=after, score=after.score_over(search.present), plainer=None)
-        now = frozenset(s.name for s in search.train if _lacks(search, trial.fit, s, key))
+        now = frozenset(s.name for s in search.train if lacks(search, trial.fit, s, key))
         if now == lacking or not 0 < len(now) < len(search.train):
             break
         lacking = now
-    alike = fit(trial.fit.model, _without(search.train, key, ()), search.noise)
+    alike = fit(trial.fit.model, with_lacking(search.train, key, ()), search.noise)
     score = trial.score - COIN * len(search.train)
     if not (0 < len(now) < len(search.train)) or reach(score) <= alike.score_over(search.present) or not plausible(trial, ahead.train):
         return None
-    ahead.held = _without(search.held, key, [s.name for s in search.held if _lacks(search, trial.fit, s, key)])
+    ahead.held = with_lacking(search.held, key, [s.name for s in search.held if lacks(search, trial.fit, s, key)])
     return _Tried(ahead, trial, score)
 
 
-def _without(sessions: list[Session], key: Key, lacking: Iterable[str]) -> list[Session]:
+def with_lacking(sessions: list[Session], key: Key, lacking: Iterable[str]) -> list[Session]:
+    """The sessions, of which those with a name in `lacking` lack a cause and the others have it."""
     return [replace(s, lacks=s.lacks | {key} if s.name in lacking else s.lacks - {key}) for s in sessions]
 
 
-def _lacks(search: Search, after: Fit, s: Session, key: Key) -> bool:
+def lacks(search: Search, after: Fit, s: Session, key: Key) -> bool:
     """Whether a session is clearly nearer to a fit without the cause."""
     having, lacking = (cost_of(after.model, [replace(s, lacks=lacks)], search.noise) for lacks in (s.lacks - {key}, s.lacks | {key}))
     return lacking < having - TELLS

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.run import Run
+from skin_ident.criticism.search.absent import take_where_held
 from skin_ident.criticism.search.alone import take_alone
 from skin_ident.criticism.search.choosing import choose
 from skin_ident.criticism.search.growing import spared
@@ -72,7 +73,7 @@ def _round(search: Search) -> bool:
         return True
     of_skin = explained_by_own_skin(search)
     look = _Look(last, trials, runs, best, of_skin, mass if mass and may_wait(search, mass) else None)
-    if take_partly(search, last, max(best, of_skin), runs):
+    if take_partly(search, last, max(best, of_skin), runs) or take_where_held(search, last, max(best, of_skin), trials, runs):
         return True
     if of_skin > best and take_zeros(search, of_skin):  # a zero is one number per session, a skin four: the simpler account goes first
         return True

@@ -1,0 +1,67 @@
+"""A cause that all fitted sessions share and held-out ones lack: a filter that was taken out, a screw that was tightened on the last day.
+
+Tested in all held-out sessions at once it seems refuted by them, and something of their own is named in its place. So each of them is asked
+first whether it is clearly nearer without the best trial. Where some are, the trial must pass every test in those that are not. If all lack
+it, the fitted sessions must predict each other better with it, and the plain model must predict the held-out ones better once it is freed
+of what it had taken up of the cause. What passes is named with the sessions that have it. What only fitted sessions support is in doubt.
+"""
+
+from dataclasses import replace
+
+from skin_ident.criticism.baseline.fitting import Fit
+from skin_ident.criticism.courses.run import Run
+from skin_ident.criticism.gates.gate import held_out_gain
+from skin_ident.criticism.search.believing import DOUBTLESS, first_believed
+from skin_ident.criticism.search.doubt import absent
+from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.partly import COIN, lacks, with_lacking
+from skin_ident.criticism.search.rivals import reach
+from skin_ident.criticism.search.state import Search
+from skin_ident.criticism.search.survey import Survey
+from skin_ident.criticism.search.trial import Trial
+from skin_ident.criticism.sessions.session import Session
+
+
+def take_where_held(search: Search, last: Survey, best: float, trials: list[Trial], runs: list[Run]) -> bool:
+    """Name the best trial with the sessions that have it, where held-out ones lack it, or note that it is in doubt. It must explain as much
+    as the `best` of all other explanations. Return whether it was named."""
+    trial = next(iter(trials), None)
+    if trial is None or trial.key in {n.key for n in search.named} or not _explains_much(search, trial, best):
+        return False
+    free = tuple(s.name for s in search.held if lacks(search, trial.fit, s, trial.key))
+    if not free:
+        return False
+    having = [s for s in search.held if s.name not in free]
+    believed = _believed(search, trial, trials, runs, having)
+    if not believed or not (having or _frees(search, trial)):
+        if believed or _believed(search, trial, trials, runs, []):
+            search.doubts[trial.key] = absent(free)
+        return False
+    search.held = with_lacking(search.held, trial.key, free)
+    search.end_round(last, trial.key[0])
+    fitted, named = believed
+    search.accept(fitted, replace(named, only=tuple(s.name for s in (*search.train, *having)), free=free))
+    return True
+
+
+def _believed(search: Search, trial: Trial, trials: list[Trial], runs: list[Run], held: list[Session]) -> tuple[Fit, Named] | None:
+    """The trial as a finding, if it is believed by these `held`-out sessions, or by each fitted one in turn where there are none."""
+    if not held and len(search.train) < 2:
+        return None
+    ahead = search.ahead(search.present)
+    ahead.held = held
+    believed = first_believed(ahead, trials, runs)
+    return believed if believed and believed[1].key == trial.key else None
+
+
+def _frees(search: Search, trial: Trial) -> bool:
+    """Whether the plain model predicts held-out sessions better without the cause than before the cause was fitted beside it."""
+    held = with_lacking(search.held, trial.key, [s.name for s in search.held])
+    return held_out_gain(search.present.model, trial.fit.model, search.train, held, search.noise).passed
+
+
+def _explains_much(search: Search, trial: Trial, best: float) -> bool:
+    """Whether a trial explains enough of training for a doubt; for every held-out session, having it or not is a choice."""
+    coins = COIN * len(search.held)
+    return trial.score - coins > max(reach(best), DOUBTLESS * search.least(trial.fit.count))
+
