@@ -70,11 +70,13 @@ The method, in the order in which `diagnose` runs it:
       model knows, and no cause is named.
     - Zero errors of a size that a tare leaves belong to the baseline (`courses.left_by_tare`). Those of all channels and sessions
       together are taken before any cause that explains no more than they do, and where no cause passes (`search.tared`).
-    - A cause that some of three or more sessions have and others lack is tried before the causes that all share (`search.partly`).
+    - A cause that some of three or more sessions have and others lack is tried before the causes that all share (`search.partly`). So is
+      one that all fitted sessions have and held-out ones clearly lack (`search.absent`).
     - Stiffnesses and dampings that differ by some percent from session to session, as specimens, temperatures and places make them do,
       belong to the baseline where they explain more than any cause and than zeros of good hardware, or where no cause passes
       (`search.own_skin`).
-    - Last comes what is wrong in held-out sessions alone.
+    - Last comes what is wrong in held-out sessions alone. A course is named there (`search.alone`). Any other cause is in doubt, because
+      nothing is left to confirm it (`search.only_held`).
 
 10. `search.criticise` repeats steps 4 to 9. Then each cause is reconsidered beside the others, and its rivals are tried in its place where
     much is left that no accepted cause explains; of two sets of causes that explain as much, the one with clearly fewer parameters is kept

@@ -64,4 +64,3 @@ def _explains_much(search: Search, trial: Trial, best: float) -> bool:
     """Whether a trial explains enough of training for a doubt; for every held-out session, having it or not is a choice."""
     coins = COIN * len(search.held)
     return trial.score - coins > max(reach(best), DOUBTLESS * search.least(trial.fit.count))
-

@@ -12,6 +12,7 @@ from skin_ident.criticism.gates.uncertain import left_open
 from skin_ident.criticism.search.doubt import unproven
 from skin_ident.criticism.search.hardware import tare_does
 from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.only_held import note_cause_of_held
 from skin_ident.criticism.search.rivals import own_rivals, plainest_first, reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.tared import take_tare_of_held, take_zeros_of_held
@@ -46,6 +47,8 @@ def take_alone(search: Search) -> bool:
         cause = _cause_instead(search, run)
         if cause:
             search.doubts[cause] = unproven()
+            return False
+        if note_cause_of_held(search, run):
             return False
         _name_alone(search, run, gain, runs)
         return True

@@ -12,6 +12,7 @@ from skin_ident.criticism.search.driving import with_load_cell
 from skin_ident.criticism.search.exchange import exchange
 from skin_ident.criticism.search.given_numbers import check_numbers
 from skin_ident.criticism.search.named import Criticism
+from skin_ident.criticism.search.only_held import tell_of_held
 from skin_ident.criticism.search.own_skin import settle_skin, tell_of_skin
 from skin_ident.criticism.search.proposals import Direction, directions
 from skin_ident.criticism.search.search import eliminate, run
@@ -66,6 +67,7 @@ def criticise(
     unweigh(search)
     settle_skin(search)
     tell_of_skin(search)
+    tell_of_held(search)
     if given:
         check_numbers(search, given)
     named = with_load_cell(search.named, search.present.model, search.runs, [*search.train, *search.held])

@@ -23,7 +23,14 @@ def absent(sessions: tuple[str, ...]) -> NotNamed:
     """Why what all fitted sessions share is no finding, where the held-out `sessions` lack it and no other one can confirm it."""
     which = " and ".join(sessions)
     why = f"the fitted sessions predict each other better with it, but what is held out ({which}) is predicted better without it"
-    return NotNamed(np.inf, why, "a held-out session of the same days as those that support it", doubt=True)
+    return NotNamed(np.inf, why, "another session like the fitted ones, to be held out", doubt=True)
+
+
+def only_held(sessions: tuple[str, ...]) -> NotNamed:
+    """Why what only the held-out `sessions` have is no finding."""
+    which = " and ".join(sessions)
+    why = f"it explains most of what is wrong in {which} alone, which is held out, so that no other session can confirm it"
+    return NotNamed(np.inf, why, f"another session like {which}, to be held out while {which} is fitted", doubt=True)
 
 
 def yields() -> NotNamed:
