@@ -99,6 +99,32 @@ def test_spikes_of_nine_standard_deviations_stand_apart_and_heavy_tails_do_not()
     assert min(seen) >= 20 and max(seen) <= 42
 
 
+SKEWED = {
+    "exponential": lambda rng, n: rng.exponential(size=n) - 1.0,
+    "gamma": lambda rng, n: (rng.gamma(4.0, size=n) - 4.0) / 2.0,
+    "log-normal": lambda rng, n: np.exp(0.3 * rng.normal(size=n)),
+    "wandering": lambda rng, n: lfilter([1.0], [1.0, -0.9], rng.exponential(size=n) - 1.0),
+}
+
+
+@pytest.mark.parametrize("noise", SKEWED)
+def test_spikes_to_one_side_need_not_reach_beyond_the_noise_and_skewed_noise_has_none(noise):
+    """Spikes of six standard deviations, between 3 and 9, in six samples of a thousand."""
+    slow = np.sin(np.arange(18_000) / 300.0)
+    seen, false = [], 0
+
+    def found(e):
+        return find_outliers(("force",), [Said("a", e[None], slow[None] + e[None], np.zeros(slow.size, bool))], 0.01)
+
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        spikes = 6.0 * rng.uniform(0.5, 1.5, slow.size) * (rng.random(slow.size) < 0.006)
+        seen += [s.evidence["excursions"] for s in found(rng.standard_normal(slow.size) - spikes)]
+        false += len(found(SKEWED[noise](rng, slow.size)))
+    assert len(seen) >= 9 and false == 0
+    assert min(seen) > 40 and max(seen) < 120
+
+
 @pytest.mark.parametrize(("kind", "rivals"), [("loud at times", (("noise", "load_cell"),)), ("garbage of one sign", ()), ("spikes", ())])
 def test_a_sensor_that_is_loud_at_times_may_be_noisy_as_well_as_have_outliers(kind, rivals):
     rng, slow = np.random.default_rng(4), 20.0 * np.sin(np.arange(12_000) / 300.0)

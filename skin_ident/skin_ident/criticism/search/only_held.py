@@ -7,18 +7,18 @@ residual is louder than in the fitted ones.
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import cost_of, fit, whitened
-from skin_ident.criticism.courses.course import fitted
+from skin_ident.criticism.baseline.fitting import Fit, fit, whitened
+from skin_ident.criticism.courses.course import worthwhile
 from skin_ident.criticism.courses.run import Run
-from skin_ident.criticism.gates.uncertain import left_open
 from skin_ident.criticism.search.doubt import only_held
 from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session
+from skin_models.model import Model
 
-LOUD = 1.1  # ratio of the whitened mean square to that of the fitted sessions, above which a held-out session has something of its own
+LOUD = 1.1  # ratio of the whitened mean square to that of the fitted sessions, above which held-out ones have something of their own
 LESS = 0.9  # share of what a course leaves, which a cause may leave to be better
 
 
@@ -29,43 +29,36 @@ def tell_of_held(search: Search) -> None:
 
 
 def note_cause_of_held(search: Search, run: Run | None = None) -> bool:
-    """Note that a cause which only held-out sessions have is in doubt, if it explains clearly more of them than a course does. Return
-    whether it was noted."""
-    odd = _louder(search)
-    if not odd:
+    """Note that a cause which only held-out sessions have is in doubt, if numbers of these sessions' own do not explain what is wrong,
+    and the cause explains clearly more of it than courses do, such as the `run` that is about to be named. Return whether it was noted."""
+    model, usual = search.present.model, _mean_square(search, search.present.model, search.train)
+    odd = [s for s in search.held if _mean_square(search, model, [s]) > LOUD * usual]
+    plain = fit(model, odd, search.noise) if odd else None
+    if plain is None or _mean_square(search, plain.model, odd) <= LOUD * usual:
         return False
-    trials = _trials(search, odd)
-    if not trials or trials[0].score < search.least(trials[0].fit.count):
+    trials = _trials(search, plain, odd)
+    if not trials or trials[0].score < search.least(plain.count):
         return False
     as_good = [t for t in trials if t.score > reach(trials[0].score)]
-    if run and (any(t.key in run.course.keys for t in as_good) or not _better(search, trials[0], run, odd)):
+    if run and (any(t.key in run.course.keys for t in as_good) or not _better(search, trials[0], plain, odd)):
         return False
     search.doubts |= {t.key: only_held(tuple(s.name for s in odd)) for t in as_good}
     return True
 
 
-def _louder(search: Search) -> list[Session]:
-    """The held-out sessions whose residual is louder than that of the fitted ones."""
-    usual = _mean_square(search, search.train)
-    return [s for s in search.held if _mean_square(search, [s]) > LOUD * usual]
-
-
-def _mean_square(search: Search, sessions: list[Session]) -> float:
-    r = whitened(search.present.model, sessions, search.noise)
+def _mean_square(search: Search, model: Model, sessions: list[Session]) -> float:
+    r = whitened(model, sessions, search.noise)
     return float(r @ r) / max(np.count_nonzero(r), 1)
 
 
-def _trials(search: Search, sessions: list[Session]) -> list[Trial]:
-    """The causes that explain most of some sessions beside numbers of their own."""
-    ahead = search.ahead(fit(search.present.model, sessions, search.noise))
+def _trials(search: Search, plain: Fit, sessions: list[Session]) -> list[Trial]:
+    """The causes that explain most of some sessions beside `plain`, a fit to these."""
+    ahead = search.ahead(plain)
     ahead.train, ahead.held = sessions, []
-    return ahead.trials(survey(ahead.present.model, sessions, search.which, search.noise))
+    return ahead.trials(survey(plain.model, sessions, search.which, search.noise))
 
 
-def _better(search: Search, trial: Trial, run: Run, sessions: list[Session]) -> bool:
-    """Whether a trial explains clearly more of some sessions than a course does, less charges, or leaves clearly less."""
-    model, after = search.present.model, trial.fit
-    before = cost_of(model, sessions, search.noise)
-    explained = before - after.cost - np.log(after.count) * len(after.unknowns)
-    by_course = fitted(run.course, model, sessions, search.noise, left_open(model, search.train, sessions, search.noise)).score
-    return reach(explained) > by_course or before - explained < LESS * (before - by_course)
+def _better(search: Search, trial: Trial, plain: Fit, sessions: list[Session]) -> bool:
+    """Whether a trial explains clearly more of some sessions than every course does, or leaves clearly less."""
+    by_course = max((r.score for r in worthwhile(plain.model, sessions, search.noise, search.encoder_step)), default=0.0)
+    return reach(trial.score) > by_course or plain.cost - trial.score < LESS * (plain.cost - by_course)

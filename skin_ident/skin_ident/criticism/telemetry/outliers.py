@@ -14,6 +14,7 @@ from scipy.stats import binom, poisson
 
 from skin_ident.criticism.telemetry.as_read import AsRead, as_read
 from skin_ident.criticism.telemetry.excursions import OWN_SHARE, excursions, fill_clusters, held
+from skin_ident.criticism.telemetry.one_sided import one_sided
 from skin_ident.criticism.telemetry.pushed import not_pushed, not_shared
 from skin_ident.criticism.telemetry.swallowed import is_swallowed
 from skin_ident.criticism.telemetry.symptom import Symptom
@@ -109,7 +110,8 @@ def _of_channel(lines: list[AsRead], step: float) -> Marks:
     nearest = NEAREST * limit
     level = stands_apart(limit, beyond, step, nearest) or stands_apart(LOWEST * limit, beyond, step, nearest)
     far = [excursions(a, b, level or limit) for a, b in zip(e, y, strict=True)]
-    away = [fill_clusters(f) for f in far] if level else _standing(e, y, LOWEST * limit) or _to_one_reading(far, y, limit, step)
+    less_far = None if level else _standing(e, y, LOWEST * limit) or one_sided(e, y, limit)
+    away = [fill_clusters(f) for f in far] if level else less_far or _to_one_reading(far, y, limit, step)
     values, counts = np.unique(np.concatenate(y), return_counts=True)
     idle = float(values[np.argmax(counts)])
     resting = [j | (np.abs(b - idle) < limit) for b, j in zip(y, jumps, strict=True)]
