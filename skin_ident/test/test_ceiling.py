@@ -3,9 +3,14 @@
 import numpy as np
 import pytest
 from hide_and_seek import seek
+from rows import rows
 from scipy.signal import lfilter
+from world import make_sessions, write_case
+from world.hidden import Hide
 
+from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.telemetry.ceiling import find_ceilings
+from skin_ident.recordings.load import load
 
 T = np.arange(4000) / 100.0
 NOISE, LEVEL, SLOPE = 0.05, 14.0, 0.06  # N, N, and what is left of the slope beyond the level
@@ -66,3 +71,12 @@ def test_it_is_named_once_beside_what_else_is_hidden(tmp_path):
     """Reached by the quickest touches of the battery alone."""
     found = seek(tmp_path, "saturation", where="load_cell", form="leaky", size=1.0, seed=1524856)
     assert found.names.count(("saturation", "load_cell")) == 1 and not found.extra
+
+
+@pytest.mark.parametrize(("where", "seed"), rows([("taxel_0", 202), ("load_cell", 200), ("load_cell", 202), ("taxel_0", 203)], 1))
+def test_a_knee_as_amplifiers_have_it_is_one_soft_saturation_and_no_set_of_corners(tmp_path, where, seed):
+    sessions, _ = make_sessions([Hide("saturation", where, "soft", 3.0)], seed=seed, protocol="full", n_sessions=3, noise="white")
+    write_case(sessions, tmp_path)
+    every = load(tmp_path)
+    (found,) = diagnose(every[:2], every[2:]).findings["findings"]
+    assert (found["cause"], found["evidence"]["forms"]) == ("saturation", ["SoftSaturation"])

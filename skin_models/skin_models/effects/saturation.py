@@ -1,7 +1,8 @@
 """Saturation: a sensor clips.
 
     hard     y' = min(max(y, -L), L)
-    leaky    y' = y - c max(y - L, 0)        beyond L it follows with the slope 1 - c; several add up to a soft knee
+    leaky    y' = y - c max(y - L, 0)        beyond L it follows with the slope 1 - c
+    soft     y' = y - c (r(y) - r(0)),  r(y) = w log(1 + exp((y - L) / w))        the same with a knee as wide as w, as amplifiers have
 
 The hard form has no amplitude: its size is how low L is, and it is the identity for L = inf, which is what `absent` gives. A model cannot
 be linearised in it: identification proposes the leaky form, and the hard one where samples pile up at one reading.
@@ -57,3 +58,20 @@ class LeakySaturation(Memoryless):
         """y - c max(y - L, 0)."""
         mine = self.mine(y)
         return self.put_back(y, mine - self.lost * np.maximum(mine - self.level, 0.0))
+
+
+@dataclass(frozen=True)
+class SoftSaturation(LeakySaturation):
+    """Readings follow with less and less slope about a level."""
+
+    form: ClassVar[str] = "soft"
+    refines: ClassVar = LeakySaturation
+    proposed: ClassVar[bool] = False  # it is tried as a finer form
+
+    knee: float = quantity("N", 0.5, lower=1e-3, upper=1e4, role=SHAPE, typical=0.5, doc="width w of the knee")
+
+    def apply(self, y, s):
+        """y - c (r(y) - r(0))."""
+        mine = self.mine(y)
+        ramp, at_zero = (self.knee * np.logaddexp(0.0, (force - self.level) / self.knee) for force in (mine, 0.0))
+        return self.put_back(y, mine - self.lost * (ramp - at_zero))

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, simulated
-from skin_ident.criticism.courses.carriers import SLOPE, ZERO
+from skin_ident.criticism.courses.carriers import DELAY, SLOPE, ZERO
 from skin_ident.criticism.courses.course import added, fitted
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, WAVE, Course
 from skin_ident.criticism.courses.run import Run
@@ -58,14 +58,18 @@ def believed(gain: Gain, course: Course) -> bool:
     return sure and (gain.relative > 0.0 or (fall > PLAINLY and gain.relative > -fall))
 
 
-def course_gain(course: Course, before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
+def course_gain(
+    course: Course, before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener, having: list[Session] = ()
+) -> Gain:
     """Gain of the course in `held`, or in `train` where nothing is held out: fitted to every other block, it predicts the blocks between.
-    The models are `before` without and `after` with it, each free as far as training leaves it uncertain. For slopes, and for
-    constant zeros, that held-out sessions do not contradict, the gain in `train` counts if it is larger."""
+    The models are `before` without and `after` with it, each free as far as training leaves it uncertain. Where held-out sessions do not
+    contradict, the gain in training counts if it is larger: for slopes and constant zeros that in all of it, for a clock that is late in
+    few sessions that in those `having` it. Noise that wanders makes no clock late."""
     gain = _gain_in(course, before, after, train, held, noise)
-    if not (held and (course.carrier == SLOPE or course.tares) and len(train) > 1 and _agrees(gain)):
+    late = course.carrier == DELAY and 0 < len(having) < len(train)
+    if not (held and (course.carrier == SLOPE or course.tares or late) and len(train) > 1 and _agrees(gain)):
         return gain
-    return max(gain, _gain_in(course, before, after, train, [], noise), key=lambda g: g.relative)
+    return max(gain, _gain_in(course, before, after, having if late else train, [], noise), key=lambda g: g.relative)
 
 
 def _agrees(gain: Gain) -> bool:

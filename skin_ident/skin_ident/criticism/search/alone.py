@@ -23,6 +23,7 @@ FORM = 0.25  # share of the largest fall so far that it must exceed: another for
 WANDERING = 3.0  # times what unpredictive courses explained in training, which one in held-out sessions alone must explain,
 PLAIN = 0.5  # if it leaves more than this share of the error
 CERTAIN = 30.0  # likelihood gain in the noise of held-out sessions that is enough for a course of theirs, where much else is left as well
+FEW = 3  # steps of a course that only held-out sessions have: no cause of the catalogue is there to explain what more of them follow
 TARES = 20  # zeros that may be taken from held-out sessions on the way: each channel has one, and the depth
 EXTRAORDINARY = 3.0  # times its size in training sessions, which a course in held-out sessions alone must have
 
@@ -48,7 +49,8 @@ def take_alone(search: Search) -> bool:
         if cause:
             search.doubts[cause] = unproven()
             return False
-        if note_cause_of_held(search, run):
+        restless = _is_restless(run)
+        if note_cause_of_held(search, None if restless else run) or restless:
             return False
         _name_alone(search, run, gain, runs)
         return True
@@ -88,6 +90,11 @@ def _gain_alone(search: Search, run: Run) -> Gain | None:
     if run.size < EXTRAORDINARY * fitted(run.course, model, search.train, search.noise).size:
         return None
     return None if search.steps_do(run.course.key, gain, model) else gain
+
+
+def _is_restless(run: Run) -> bool:
+    """Whether a course steps so often in one session that it follows the motion, as an effect without a name there would make it."""
+    return max((moments.size for moments in run.moments.values()), default=0) > FEW
 
 
 def _cause_instead(search: Search, run: Run) -> Key | None:

@@ -62,7 +62,8 @@ def _gain_of(search: Search, run: Run, before: Model, after: Model) -> Gain:
     """Gain of a course beside `after` over `before`, under noise that is fitted beside the course: the search's own noise model has taken
     the course for noise as well."""
     noise = grown_noise_of(after, added(search.train, run.values))
-    return course_gain(run.course, before, after, search.train, search.held, noise)
+    having = [s for s in search.train if np.any(run.values[s.name])]
+    return course_gain(run.course, before, after, search.train, search.held, noise, having)
 
 
 def _of_wandering(run: Run, least: float) -> float:
