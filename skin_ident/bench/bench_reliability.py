@@ -47,7 +47,7 @@ def summary(rows: list[Row]) -> str:
         ("one effect, 3 to 6 times the noise", ("several",), None),
         ("two effects at once", ("pair",), None),
         ("one effect, poor protocols", ("poor",), None),
-        ("5 to 12 sessions over days", ("sessions", "pair_sessions"), None),
+        ("4 to 12 sessions over days", ("sessions", "pair_sessions"), None),
         ("what a given model or twin has wrong", ("given",), None),
         ("other kinds of data", ("other", "pair_other"), None),
         ("closed loop", ("loop", "pair_loop"), None),

@@ -8,6 +8,7 @@ import pytest
 from hide_and_seek import seek
 from rows import rows
 from world import make_sessions, write_case
+from world.hidden import Hide
 
 from skin_ident.criticism.courses.gate import _agrees
 from skin_ident.criticism.diagnose import diagnose
@@ -85,6 +86,17 @@ def test_a_clock_that_wanders_is_late_by_so_much_in_turn(tmp_path, late_s):
     write_case([replace(s, force=np.interp(s.t - late_s * (1.0 + 0.6 * np.sin(s.t / 2.7)), s.t, s.force)) for s in made], tmp_path)
     recordings = load(tmp_path)
     assert {(f["cause"], f["where"]) for f in diagnose(recordings[:2], recordings[2:]).findings["findings"]} == {("time_shift", "clock")}
+
+
+def test_a_clock_that_slips_in_one_fitted_session_alone_is_named(tmp_path):
+    """No held-out session has it, so its gain is measured in the one that does."""
+    how = {"seed": 301, "protocol": "full", "n_sessions": 5, "noise": "white"}
+    plain, late = (make_sessions(hidden, **how)[0] for hidden in ([], [Hide("time_shift", "clock", "buffer", 1.5)]))
+    write_case([plain[0], late[1], *plain[2:]], tmp_path)
+    recordings = load(tmp_path)
+    (found,) = diagnose(recordings[:3], recordings[3:]).findings["findings"]
+    assert (found["cause"], found["where"]) == ("time_shift", "clock")
+    assert "ms at" in found["evidence"]["of_each_session"][recordings[1].name]
 
 
 @pytest.mark.parametrize(
