@@ -2,8 +2,9 @@
 
 Tested in all held-out sessions at once it seems refuted by them, and something of their own is named in its place. So each of them is asked
 first whether it is clearly nearer without the best trial. Where some are, the trial must pass every test in those that are not. If all lack
-it, the fitted sessions must predict each other better with it, and the plain model must predict the held-out ones better once it is freed
-of what it had taken up of the cause. What passes is named with the sessions that have it. What only fitted sessions support is in doubt.
+it, the fitted sessions must predict each other better with it; and the plain model, freed of what it had taken up of the cause, must
+predict the held-out ones better than before, and better than any other cause does. What passes is named with the sessions that have it.
+What only fitted sessions support is in doubt.
 """
 
 from dataclasses import replace
@@ -33,7 +34,7 @@ def take_where_held(search: Search, last: Survey, best: float, trials: list[Tria
         return False
     having = [s for s in search.held if s.name not in free]
     believed = _believed(search, trial, trials, runs, having)
-    if not believed or not (having or _frees(search, trial)):
+    if not believed or not (having or _frees(search, trial, trials, runs)):
         if believed or _believed(search, trial, trials, runs, []):
             search.doubts[trial.key] = absent(free)
         return False
@@ -54,10 +55,13 @@ def _believed(search: Search, trial: Trial, trials: list[Trial], runs: list[Run]
     return believed if believed and believed[1].key == trial.key else None
 
 
-def _frees(search: Search, trial: Trial) -> bool:
-    """Whether the plain model predicts held-out sessions better without the cause than before the cause was fitted beside it."""
+def _frees(search: Search, trial: Trial, trials: list[Trial], runs: list[Run]) -> bool:
+    """Whether the plain model predicts held-out sessions better without the cause than before the cause was fitted beside it, and better
+    than with another cause that is believed."""
     held = with_lacking(search.held, trial.key, [s.name for s in search.held])
-    return held_out_gain(search.present.model, trial.fit.model, search.train, held, search.noise).passed
+    freed = held_out_gain(search.present.model, trial.fit.model, search.train, held, search.noise)
+    other = first_believed(search.ahead(search.present), trials, runs) if freed.passed else None
+    return freed.passed and (other is None or freed.relative > other[1].gain.relative)
 
 
 def _explains_much(search: Search, trial: Trial, best: float) -> bool:
