@@ -87,6 +87,11 @@ class Declared:
     calibration: Mapping[str, Calibration] = field(default_factory=dict, hash=False)
     warnings: tuple[str, ...] = ()
 
+    @property
+    def encoder_step(self) -> float:
+        """The step of the encoder, m; 0 where none is declared."""
+        return 1e-6 * (self.encoder_step_um or 0.0)
+
     def of_taxel(self, key: str, i: int) -> float | None:
         """The value of a per-taxel entry for taxel `i`; None where nothing is declared."""
         values = getattr(self, key)

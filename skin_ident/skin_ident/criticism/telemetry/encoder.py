@@ -32,9 +32,9 @@ def find_encoder_faults(recordings: list, dead: Collection[Symptom] = ()) -> lis
     if recordings[0].depth is None:
         return []
     stiffness = {c: _stiffness(recordings, c) for c in recordings[0].channels}
-    declared = recordings[0].declared.encoder_step_um
+    declared = recordings[0].declared.encoder_step
     levels = [r.step("depth") or 0.0 for r in recordings]
-    step = max(1e-6 * declared, *levels) if declared else max(*levels, smallest_step(np.concatenate([r.depth for r in recordings])))
+    step = max(declared, *levels) if declared else max(*levels, smallest_step(np.concatenate([r.depth for r in recordings])))
     departed = [_detrended(r.depth) for r in recordings]
     evened = [_evened(d, step) for d in departed]
     limits = _limits(evened, STEPS * step)

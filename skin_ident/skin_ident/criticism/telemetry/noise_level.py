@@ -273,8 +273,7 @@ def declared_noise(recording, channel: str) -> float | None:
 
 
 def _encoder_step(recording) -> float:
-    declared = (recording.declared.encoder_step_um or 0.0) * 1e-6
-    return 0.0 if recording.depth is None else max(declared, recording.step("depth") or 0.0)
+    return 0.0 if recording.depth is None else max(recording.declared.encoder_step, recording.step("depth") or 0.0)
 
 
 def _quick(e: np.ndarray, dt: float) -> np.ndarray:

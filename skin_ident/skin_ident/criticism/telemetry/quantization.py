@@ -138,8 +138,8 @@ def _coarse(recordings: list, channel: str, step: float, against: str, known: di
 
 
 def _declared(recording) -> dict[str, float | None]:
-    step = recording.declared.encoder_step_um
-    return {"force": None, **{c: declared_step(recording, c) for c in recording.channels}, "depth": step and step * 1e-6}
+    steps = {c: declared_step(recording, c) for c in recording.channels}
+    return {"force": None, **steps, "depth": recording.declared.encoder_step or None}
 
 
 def _rows(recordings: list, channel: str) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -161,5 +161,4 @@ def depth_resolution(recordings: list) -> float:
 
 def depth_step(recordings: list) -> float:
     """Steps of the depth, m: as seen, or as declared where they are not seen; 0 without a depth."""
-    declared = 1e-6 * (recordings[0].declared.encoder_step_um or 0.0)
-    return max((r.step("depth") or declared for r in recordings if r.depth is not None), default=0.0)
+    return max((r.step("depth") or recordings[0].declared.encoder_step for r in recordings if r.depth is not None), default=0.0)
