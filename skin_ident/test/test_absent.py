@@ -44,3 +44,19 @@ def test_what_only_fitted_sessions_support_is_in_doubt(tmp_path):
     assert findings["findings"] == []
     (doubt,) = [u for u in findings["untestable"] if "predict each other" in u["because"]]
     assert (doubt["cause"], doubt["where"]) == ("backlash", "rig")
+
+
+MOVED = [("stress_relaxation", "power_law", "single_rate_triangles", 1.0), ("lag", "two_pole", "single_sine", 1.0),
+         ("stress_relaxation", "power_law", "single_sine", 3.0), ("lag", "two_pole", "single_rate_triangles", 1.0),
+         ("lag", "two_pole", "single_sine", 3.0), ("lag", "two_pole", "single_rate_triangles", 3.0)]  # fmt: skip
+
+
+@pytest.mark.parametrize(("cause", "form", "protocol", "size"), rows(MOVED, 1))
+def test_what_an_imperfect_form_does_not_predict_of_other_motions_is_not_absent_there(tmp_path, cause, form, protocol, size):
+    hide, seed = Hide(cause, {"lag": "taxel"}.get(cause, "skin"), form, size), {"lag": 506}.get(cause, 501)
+    same = {"seed": seed, "n_sessions": 3, "noise": "white"}
+    poor, full = (make_sessions([hide], protocol=name, **same)[0] for name in (protocol, "full"))
+    write_case([*poor[:2], full[2]], tmp_path)
+    every = load(tmp_path)
+    found = diagnose(every[:2], every[2:]).findings["findings"]
+    assert not any("not_in" in f["evidence"] for f in found), found

@@ -1,26 +1,32 @@
 """A cause that all fitted sessions share and held-out ones lack: a filter that was taken out, a screw that was tightened on the last day.
 
 Tested in all held-out sessions at once it seems refuted by them, and something of their own is named in its place. So each of them is asked
-first whether it is clearly nearer without the best trial. Where some are, the trial must pass every test in those that are not. If all lack
-it, the fitted sessions must predict each other better with it; and the plain model, freed of what it had taken up of the cause, must
-predict the held-out ones better than before, and better than any other cause does. What passes is named with the sessions that have it.
-What only fitted sessions support is in doubt.
+first whether it is clearly nearer without the best trial than with any amount of it. Where some are, the trial must pass every test in
+those that are not. If all lack it, the fitted sessions must predict each other better with it; and the plain model, freed of what it had
+taken up of the cause, must leave no more of the held-out ones than of the fitted, less than before, and less than any other cause does.
+What passes is named with the sessions that have it. What only fitted sessions support is in doubt.
 """
 
 from dataclasses import replace
 
-from skin_ident.criticism.baseline.fitting import Fit
+import numpy as np
+
+from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
+from skin_ident.criticism.baseline.unknowns import effect_unknowns
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.gate import held_out_gain
 from skin_ident.criticism.search.believing import DOUBTLESS, first_believed
 from skin_ident.criticism.search.doubt import absent
 from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.only_held import mean_square
 from skin_ident.criticism.search.partly import COIN, lacks, with_lacking
 from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import Survey
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session
+
+AS_WELL = 1.5  # ratio of the whitened mean square that is left of held-out sessions without the cause to that of fitted ones with it
 
 
 def take_where_held(search: Search, last: Survey, best: float, trials: list[Trial], runs: list[Run]) -> bool:
@@ -29,11 +35,13 @@ def take_where_held(search: Search, last: Survey, best: float, trials: list[Tria
     trial = next(iter(trials), None)
     if trial is None or trial.key in {n.key for n in search.named} or not _explains_much(search, trial, best):
         return False
-    free = tuple(s.name for s in search.held if lacks(search, trial.fit, s, trial.key))
-    if not free:
+    lacking = [s for s in search.held if lacks(search, trial.fit, s, trial.key)]
+    if not lacking:
         return False
+    free = tuple(s.name for s in lacking)
     having = [s for s in search.held if s.name not in free]
-    believed = _believed(search, trial, trials, runs, having)
+    surely = not any(_has_its_own(search, trial, s) for s in lacking)
+    believed = _believed(search, trial, trials, runs, having) if surely else None
     if not believed or not (having or _frees(search, trial, trials, runs)):
         if believed or _believed(search, trial, trials, runs, []):
             search.doubts[trial.key] = absent(free)
@@ -43,6 +51,16 @@ def take_where_held(search: Search, last: Survey, best: float, trials: list[Tria
     fitted, named = believed
     search.accept(fitted, replace(named, only=tuple(s.name for s in (*search.train, *having)), free=free))
     return True
+
+
+def _has_its_own(search: Search, trial: Trial, session: Session) -> bool:
+    """Whether the cause in another amount or shape explains part of a session that is nearer without it than with what is fitted: where the
+    plunger moves differently, an imperfect form may be worse than none."""
+    key, model = trial.key, trial.fit.model
+    own = tuple(u for u in effect_unknowns(model, session) if model.effects[u.part].key == key)
+    having, lacking = (replace(session, lacks=lacks) for lacks in (session.lacks - {key}, session.lacks | {key}))
+    there = fit(model, [having], search.noise, which=own)
+    return there.cost + np.log(there.count) * len(own) < cost_of(model, [lacking], search.noise)
 
 
 def _believed(search: Search, trial: Trial, trials: list[Trial], runs: list[Run], held: list[Session]) -> tuple[Fit, Named] | None:
@@ -56,12 +74,14 @@ def _believed(search: Search, trial: Trial, trials: list[Trial], runs: list[Run]
 
 
 def _frees(search: Search, trial: Trial, trials: list[Trial], runs: list[Run]) -> bool:
-    """Whether the plain model predicts held-out sessions better without the cause than before the cause was fitted beside it, and better
-    than with another cause that is believed."""
-    held = with_lacking(search.held, trial.key, [s.name for s in search.held])
-    freed = held_out_gain(search.present.model, trial.fit.model, search.train, held, search.noise)
-    other = first_believed(search.ahead(search.present), trials, runs) if freed.passed else None
-    return freed.passed and (other is None or freed.relative > other[1].gain.relative)
+    """Whether the plain model without the cause predicts held-out sessions better than before the cause was fitted beside it, better than
+    with another cause that is believed, and about as well as fitted sessions with it."""
+    held, model = with_lacking(search.held, trial.key, [s.name for s in search.held]), trial.fit.model
+    freed = held_out_gain(search.present.model, model, search.train, held, search.noise)
+    if not freed.passed or mean_square(search, model, held) > AS_WELL * mean_square(search, model, search.train):
+        return False
+    other = first_believed(search.ahead(search.present), trials, runs)
+    return other is None or freed.relative > other[1].gain.relative
 
 
 def _explains_much(search: Search, trial: Trial, best: float) -> bool:

@@ -31,10 +31,10 @@ def tell_of_held(search: Search) -> None:
 def note_cause_of_held(search: Search, run: Run | None = None) -> bool:
     """Note that a cause which only held-out sessions have is in doubt, if numbers of these sessions' own do not explain what is wrong,
     and the cause explains clearly more of it than courses do, such as the `run` that is about to be named. Return whether it was noted."""
-    model, usual = search.present.model, _mean_square(search, search.present.model, search.train)
-    odd = [s for s in search.held if _mean_square(search, model, [s]) > LOUD * usual]
+    model, usual = search.present.model, mean_square(search, search.present.model, search.train)
+    odd = [s for s in search.held if mean_square(search, model, [s]) > LOUD * usual]
     plain = fit(model, odd, search.noise) if odd else None
-    if plain is None or _mean_square(search, plain.model, odd) <= LOUD * usual:
+    if plain is None or mean_square(search, plain.model, odd) <= LOUD * usual:
         return False
     trials = _trials(search, plain, odd)
     if not trials or trials[0].score < search.least(plain.count):
@@ -46,7 +46,8 @@ def note_cause_of_held(search: Search, run: Run | None = None) -> bool:
     return True
 
 
-def _mean_square(search: Search, model: Model, sessions: list[Session]) -> float:
+def mean_square(search: Search, model: Model, sessions: list[Session]) -> float:
+    """The mean square of the whitened residual: 1 where it is noise."""
     r = whitened(model, sessions, search.noise)
     return float(r @ r) / max(np.count_nonzero(r), 1)
 
