@@ -15,6 +15,7 @@ from skin_ident.criticism.baseline.unknowns import Unknown, effect_unknowns, low
 from skin_ident.criticism.noise.growth import Growth
 from skin_ident.criticism.noise.whitening import Given, Whitener, fit_whitener, stack, with_growth
 from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.vocabulary import Key
 from skin_models.model import Model
 from skin_models.parameter import SHAPE
 
@@ -117,6 +118,13 @@ def cost_of(model: Model, sessions: list[Session], noise: Whitener) -> float:
 def fit_effects(model: Model, sessions: list[Session], noise: Whitener, iterations: int = ITERATIONS) -> Fit:
     """Fit the effects of `model` and keep its dispersion parameters and shares."""
     return fit(model, sessions, noise, iterations, tuple(effect_unknowns(model, sessions[0])))
+
+
+def cost_with_own(model: Model, key: Key, sessions: list[Session], noise: Whitener) -> float:
+    """The cost of a model in some sessions, with the unknowns of the cause and place `key` fitted to these, and a charge for each."""
+    own = tuple(u for u in effect_unknowns(model, sessions[0]) if model.effects[u.part].key == key)
+    there = fit(model, sessions, noise, which=own)
+    return float(there.cost + np.log(there.count) * len(own))
 
 
 def _descended(model, sessions, noise, iterations, which):

@@ -9,10 +9,7 @@ What passes is named with the sessions that have it. What only fitted sessions s
 
 from dataclasses import replace
 
-import numpy as np
-
-from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
-from skin_ident.criticism.baseline.unknowns import effect_unknowns
+from skin_ident.criticism.baseline.fitting import Fit, cost_of, cost_with_own
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.gate import held_out_gain
 from skin_ident.criticism.search.believing import DOUBTLESS, first_believed
@@ -43,7 +40,8 @@ def take_where_held(search: Search, last: Survey, best: float, trials: list[Tria
     surely = not any(_has_its_own(search, trial, s) for s in lacking)
     believed = _believed(search, trial, trials, runs, having) if surely else None
     if not believed or not (having or _frees(search, trial, trials, runs)):
-        if believed or _believed(search, trial, trials, runs, []):
+        asked = surely and not having
+        if believed or (not asked and _believed(search, trial, trials, runs, [])):
             search.doubts[trial.key] = absent(free)
         return False
     search.held = with_lacking(search.held, trial.key, free)
@@ -57,10 +55,8 @@ def _has_its_own(search: Search, trial: Trial, session: Session) -> bool:
     """Whether the cause in another amount or shape explains part of a session that is nearer without it than with what is fitted: where the
     plunger moves differently, an imperfect form may be worse than none."""
     key, model = trial.key, trial.fit.model
-    own = tuple(u for u in effect_unknowns(model, session) if model.effects[u.part].key == key)
     having, lacking = (replace(session, lacks=lacks) for lacks in (session.lacks - {key}, session.lacks | {key}))
-    there = fit(model, [having], search.noise, which=own)
-    return there.cost + np.log(there.count) * len(own) < cost_of(model, [lacking], search.noise)
+    return cost_with_own(model, key, [having], search.noise) < cost_of(model, [lacking], search.noise)
 
 
 def _believed(search: Search, trial: Trial, trials: list[Trial], runs: list[Run], held: list[Session]) -> tuple[Fit, Named] | None:

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import cost_of, fit, grown_noise_of
-from skin_ident.criticism.baseline.unknowns import effect_unknowns
+from skin_ident.criticism.baseline.fitting import cost_of, cost_with_own, grown_noise_of
 from skin_ident.criticism.courses.course import added, beside_the_rest, fitted
 from skin_ident.criticism.courses.gate import course_gain, nearer, stands
 from skin_ident.criticism.courses.run import Run
@@ -102,11 +101,9 @@ def _cause_instead(search: Search, run: Run) -> Key | None:
     course does: they may have more of it, or training sessions less of what shows it."""
     most = cost_of(search.present.model, search.held, search.noise) - reach(run.score)
     for key, grown in search.grown.items():
-        if grown.score_over(search.present) > search.least(search.present.count):
-            own = tuple(u for u in effect_unknowns(grown.model, search.held[0]) if grown.model.effects[u.part].key == key)
-            there = fit(grown.model, search.held, search.noise, which=own)
-            if there.cost + np.log(there.count) * len(own) < most:
-                return key
+        supported = grown.score_over(search.present) > search.least(search.present.count)
+        if supported and cost_with_own(grown.model, key, search.held, search.noise) < most:
+            return key
     return None
 
 
