@@ -23,6 +23,7 @@ ITERATIONS = 12
 STEP = 1e-4  # of finite differences, in scaled unknowns
 SINGULAR = 1e-12  # eigenvalue of the correlations of unknowns, up to which a combination of them is not determined at all
 NEAR = 0.01  # relative distance to a bound that depends on another unknown, within which the unknown counts as at its bound
+PREDICTED = 0.1  # of the squared change of the residual, that slopes may miss and be kept
 TOLERANCE = 1e-4  # relative fall of the cost below which a fit has converged
 
 
@@ -128,15 +129,36 @@ def cost_with_own(model: Model, key: Key, sessions: list[Session], noise: Whiten
 
 
 def _descended(model, sessions, noise, iterations, which):
-    """Descend until the cost r'r has converged; returns (model, r, slopes), with None for slopes that are not known at the end."""
+    """Descend until the cost r'r has converged; returns (model, r, slopes), with None for slopes that are not known at the end.
+
+    Slopes that predicted a step well are corrected by what the step changed (C. G. Broyden, Mathematics of Computation 19 (1965) 577-593)
+    rather than computed anew. Convergence is believed from computed ones alone.
+    """
     model = with_values(model, which, values(model, which)) if iterations else model  # within its bounds
-    r, damping = whitened(model, sessions, noise), 1e-3
+    r, damping, slopes, computed = whitened(model, sessions, noise), 1e-3, None, False
     for _ in range(iterations if which else 0):
-        slopes, before = _slopes(model, sessions, noise, which), float(r @ r)
-        accepted, damping, model, r = _descend(model, sessions, noise, which, slopes, r, damping)
+        if slopes is None:
+            slopes, computed = _slopes(model, sessions, noise, which), True
+        before, theta, last = float(r @ r), values(model, which), r
+        accepted, now, model, r = _descend(model, sessions, noise, which, slopes, r, damping)
+        damping = now if accepted else damping
         if not accepted or before - float(r @ r) < TOLERANCE * float(r @ r):
-            return model, r, slopes  # they hold at the present values
+            if computed:
+                return model, r, slopes  # they hold at the present values
+            slopes = None
+            continue
+        slopes, computed = _corrected(slopes, (values(model, which) - theta) / slopes[1], last, r), False
     return model, r, None
+
+
+def _corrected(slopes, step, before, after):
+    """The slopes (J, scale), corrected by what a step (U,), in scaled unknowns, changed in the whitened residual; None where they did not
+    predict that well."""
+    J, scale = slopes
+    missed = before - after - J @ step
+    if float(missed @ missed) > PREDICTED * float((before - after) @ (before - after)):
+        return None
+    return J + np.outer(missed, step / float(step @ step)), scale
 
 
 def _slopes(model: Model, sessions: list[Session], noise: Whitener, which: tuple[Unknown, ...]) -> tuple[np.ndarray, np.ndarray]:

@@ -196,7 +196,8 @@ def _tried(search: Search, seen: _Seen) -> _Tried | None:
         ahead = search.ahead(search.present)
         ahead.train = with_lacking(search.train, key, lacking)
         if trial is None:
-            trial = ahead.tried(survey(search.present.model, ahead.train, own, search.noise).ranked[0])
+            there = survey(search.present.model, ahead.train, own, search.noise)
+            trial = ahead.tried(there.ranked[0], there.fits)
         else:
             after = fit(trial.fit.model, ahead.train, search.noise)
             trial = replace(trial, fit=after, score=after.score_over(search.present), plainer=None)

@@ -92,7 +92,8 @@ class Search:
     wandering: float = 0.0  # the highest score in training of a course that then predicted nothing
     hanging: tuple[Effect, ...] = ()  # of a declared mass, the inertia that is felt without its weight
 
-    _surveyed: tuple[Model, list[Session], Survey] | None = None
+    _surveyed: Survey | None = None
+    _before: list[Survey] = field(default_factory=list)  # all earlier ones, of states that look ahead as well
 
     @property
     def not_named(self) -> dict[Key, NotNamed]:
@@ -101,10 +102,11 @@ class Search:
         return yielded | self.set_aside | self.doubts | self.stage | self.hardware | self.tared
 
     def ahead(self, present: Fit) -> "Search":
-        """A copy of the state with another fit, from which to look further; what is found there does not enter this one."""
+        """A copy of the state with another fit, from which to look further; what is found there does not enter this one, but surveys are
+        remembered: what was found ahead is often taken next, and is then looked at again."""
         other = copy(self)
         vars(other).update({name: copy(v) for name, v in vars(self).items() if isinstance(v, (list, dict, set))})
-        other.present, other.doubts, other.doubting, other._surveyed = present, {}, True, None
+        other.present, other.doubts, other.doubting, other._surveyed, other._before = present, {}, True, None, self._before
         return other
 
     def begin_round(self) -> None:
@@ -130,33 +132,37 @@ class Search:
         return last
 
     def survey(self) -> Survey:
-        """Every cause ranked against the present model. The last survey is returned where neither model nor sessions have changed since."""
-        if self._surveyed is None or self._surveyed[0] is not self.present.model or self._surveyed[1] is not self.train:
-            if self._surveyed:
-                self._surveyed[2].kept.clear()
-            self._surveyed = self.present.model, self.train, survey(self.present.model, self.train, self.which)
-        return self._surveyed[2]
+        """Every cause ranked against the present model. An earlier survey is returned where model and sessions are those of that one."""
+        model, last = self.present.model, self._surveyed
+        if last is None or not last.is_of(model, self.train):
+            if last:
+                last.kept.clear()
+            found = next((s for s in self._before if s.is_of(model, self.train)), None)
+            self._surveyed = found.without_directions() if found else survey(model, self.train, self.which)
+            self._before += [] if found else [self._surveyed.without_directions()]
+        return self._surveyed
 
     def trials(self, last: Survey) -> list[Trial]:
         """The most promising causes, each grown and refitted, the best first."""
 
         def tried(causes: Iterable[Ranked]) -> Iterator[Trial]:
-            return (t for t in map(self._possible, causes) if t)
+            return filter(None, (self._possible(r, last.fits) for r in causes))
 
         ranked = [r for r in last.ranked if r.key not in self.dropped]
         trials = shortlisted(ranked, tried, {n.key for n in self.named}, self.suspected, self.present.count)
         self.grown = {t.key: t.fit for t in trials if t.score > 0.0}
         return trials
 
-    def _possible(self, r: Ranked) -> Trial | None:
+    def _possible(self, r: Ranked, known: dict[Key, tuple[Fit, ...]]) -> Trial | None:
         """One cause as a trial, or its first instance alone where physics rules out all instances together; else None."""
-        return next((t for t in self.tried(r).forms if plausible(t, self.train)), None)
+        return next((t for t in self.tried(r, known).forms if plausible(t, self.train)), None)
 
-    def tried(self, r: Ranked) -> Trial:
-        """One cause as a trial: grown and refitted beside everything else."""
-        self.progress(f"trying {r.cause} in the {r.where}")
-        fits = grow(self.present, r, self.train, self.which, self.noise)
-        grown, *plainer = (Trial(r, after, after.score_over(self.present)) for after in fits)
+    def tried(self, r: Ranked, known: dict[Key, tuple[Fit, ...]]) -> Trial:
+        """One cause as a trial: grown and refitted beside everything else, unless its fits are `known`, where they are put if not."""
+        if r.key not in known:
+            self.progress(f"trying {r.cause} in the {r.where}")
+            known[r.key] = grow(self.present, r, self.train, self.which, self.noise)
+        grown, *plainer = (Trial(r, after, after.score_over(self.present)) for after in known[r.key])
         return replace(grown, plainer=next(iter(plainer), None))
 
     def own_courses(self) -> list[Run]:

@@ -1,12 +1,13 @@
 """One survey: everything that the catalogue offers, ranked on top of the present model."""
 
 from collections.abc import Collection
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from operator import is_
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import sliding, tangents, unpressed
+from skin_ident.criticism.baseline.fitting import Fit, sliding, tangents, unpressed
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.baseline.unknowns import scales, unknowns, values
 from skin_ident.criticism.courses.course import bends_of_each_session
@@ -26,7 +27,8 @@ FORMS = 5  # directions per cause that may mend its form, of either sign, since 
 class Survey:
     """Every cause ranked against the residual of `model` in `sessions`, under the noise model that the survey itself found.
 
-    `kept` holds the directions of sessions by name while this is the latest survey: they are large, and expensive to compute.
+    `kept` holds the directions of sessions by name while this is the latest survey: they are large, and expensive to compute. `fits` holds
+    what causes came to that were fitted beside the model, by cause and place, as `growing.grow` returns them.
     """
 
     model: Model
@@ -35,6 +37,15 @@ class Survey:
     ranked: tuple[Ranked, ...]
     sessions: tuple[Session, ...] = field(default=(), compare=False, repr=False)
     kept: dict[str, tuple[Session, np.ndarray]] = field(default_factory=dict, compare=False, repr=False)
+    fits: dict[Key, tuple[Fit, ...]] = field(default_factory=dict, compare=False, repr=False)
+
+    def is_of(self, model: Model, sessions: list[Session]) -> bool:
+        """Whether this is the survey of that very model in these very sessions."""
+        return self.model is model and len(sessions) == len(self.sessions) and all(map(is_, sessions, self.sessions))
+
+    def without_directions(self) -> "Survey":
+        """The same without the directions in memory, which are computed again when they are asked for."""
+        return replace(self, kept={})
 
     def directions_of(self, session: Session) -> tuple[np.ndarray, int]:
         """All directions in which the simulation of a session may change, (M, C, n): first the model's own unknowns, whose number is
