@@ -80,6 +80,15 @@ def test_a_spread_other_than_declared_is_named_from_several_contacts(tmp_path, k
     assert a.named and a.judgement.causes[0].key == (cause, "skin")
 
 
+def test_a_block_that_was_written_twice_is_left_out_of_the_ratios(tmp_path):
+    recordings = record_at(tmp_path, (*ALONG, (2, 0)), seed=2, careful=True, also=[(Spread("wider"), 0.1)], **SHORT)
+    rows = np.vstack([recordings[1].depth, recordings[1].force, recordings[1].taxels])
+    rows[:, 2200:2400] = rows[:, 2000:2200]
+    recordings[1] = replace(recordings[1], depth=rows[0], force=rows[1], taxels=rows[2:])
+    findings = diagnose(recordings[:2], recordings[2:]).findings["findings"]
+    assert {f["cause"] for f in findings} == {"data_error", "spread_width"}
+
+
 @pytest.mark.parametrize(("times", "recognised"), [(2**-0.5, True), (0.6, False)])
 def test_a_standard_deviation_that_was_declared_as_the_width_is_recognised(tmp_path, times, recognised):
     recordings = record_at(tmp_path, (*ALONG, (2, 0)), seed=2, careful=True, **SHORT)

@@ -10,6 +10,7 @@ from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.criticism.telemetry.odd_session import put_right
+from skin_ident.recordings.declared import Declared
 from skin_models.effects.gain_error import GainError
 from skin_models.parameter import clipped
 
@@ -40,6 +41,14 @@ def test_a_factor_in_one_session(channel, factor, count):
     assert (symptom.cause, symptom.channels, symptom.evidence["session"]) == ("data_error", (channel,), "session_1")
     assert symptom.parameters["factor"]["value"] == pytest.approx(factor)
     assert np.allclose(right[1].channels[channel], session(1).channels[channel])
+
+
+@pytest.mark.parametrize(("factor", "found"), [(1e3, 1), (10.0, 0), (1e5, 0)])
+def test_a_taxel_in_millinewtons_where_every_session_presses_elsewhere(factor, found):
+    places = Declared(contact_position_mm={f"session_{i}": (float(i), 0.0) for i in range(3)})
+    right, symptoms = put_right([replace(r, declared=places) for r in sessions(3, 1, times("taxel_2", factor))])
+    assert [(s.cause, s.channels, s.evidence["session"]) for s in symptoms] == [("data_error", ("taxel_2",), "session_1")] * found
+    assert np.allclose(right[1].taxels, (1.0 if found else [[1.0], [1.0], [factor]]) * session(1).taxels)
 
 
 @pytest.mark.parametrize("change", [times("taxel_1", -1.0), reordered((1, 0, 2))])

@@ -21,6 +21,8 @@ from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
 from skin_models.effect import Effect
 from skin_models.effects.hysteresis import LaggingHysteresis, SensorHysteresis
+from skin_models.effects.nonlinear_stiffness import Densification
+from skin_models.effects.saturation import Saturation
 from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.model import Model
 
@@ -113,6 +115,17 @@ def test_a_loop_that_no_taxel_feels_is_of_the_load_cell(sensed: float, std: floa
     skin = tried(LaggingHysteresis("skin", k_sensed=sensed, k_dispersed=100.0), 100.0, std)
     sensor = tried(SensorHysteresis("load_cell", relative=0.01), load_cell)
     assert likelier_place([skin, sensor]) == ([sensor] if first else [])
+
+
+@pytest.mark.parametrize(
+    ("sensed", "std", "load_cell", "first"),
+    [(0.0, 1.0, 92.0, True), (0.0, 1.0, 80.0, False), (0.0, 20.0, 92.0, False), (30.0, 1.0, 92.0, False)],
+    ids=["no taxel feels it", "the load cell explains too little", "taxels cannot tell", "taxels feel it"],
+)
+def test_skin_that_softens_beside_its_taxels_is_a_ceiling_of_the_load_cell(sensed: float, std: float, load_cell: float, first: bool):
+    skin = tried(Densification("skin", k_sensed=sensed, k_dispersed=-100.0, onset=2e-3), 100.0, std)
+    sensor = tried(Saturation("load_cell", level=3.0), load_cell)
+    assert likelier_place([skin, sensor]) == [sensor] * first
 
 
 @pytest.mark.parametrize(("form", "sensor"), [(LaggingHysteresis, ("hysteresis", "load_cell")), (StressRelaxation, ("drift", "load_cell"))])

@@ -26,7 +26,7 @@ def array_criticism(c: Any, layout: Layout | str, symptoms: tuple, recordings: l
     """
     if isinstance(layout, str):
         return layout
-    spoilt = [s for s in symptoms if s.cause in SPOILT and s.evidence.get("kind") != MORE_THAN_APPLIED]
+    spoilt = [s for s in symptoms if s.cause in SPOILT and s.evidence.get("kind") != MORE_THAN_APPLIED and not _is_left_out(s)]
     if spoilt:
         return f"{spoilt[0].cause} in {', '.join(spoilt[0].channels)}: so the ratios of the taxels say nothing"
     sessions, thickness_mm = [*c.train, *c.held], recordings[0].declared.skin_thickness_mm
@@ -34,6 +34,11 @@ def array_criticism(c: Any, layout: Layout | str, symptoms: tuple, recordings: l
         layout = layout.of([0] * len(sessions))
     indices = list(range(len(c.train), len(sessions)))
     return analyse(c.extended.model, layout, sessions, indices, c.last.noise, doubted_taxels(c.named), thickness_mm)
+
+
+def _is_left_out(s: Any) -> bool:
+    """Whether an error of the data concerns some samples alone, which are left out of everything."""
+    return s.cause == "data_error" and bool(s.bad)
 
 
 def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model, seen: Container[Key] = ()) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from skin_ident.criticism.vocabulary import Key
 from skin_models.model import Model
 from skin_models.parameter import SHAPE
 
-ITERATIONS = 12
+ITERATIONS = 20
 STEP = 1e-4  # of finite differences, in scaled unknowns
 SINGULAR = 1e-12  # eigenvalue of the correlations of unknowns, up to which a combination of them is not determined at all
 NEAR = 0.01  # relative distance to a bound that depends on another unknown, within which the unknown counts as at its bound

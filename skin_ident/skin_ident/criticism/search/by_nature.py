@@ -16,6 +16,7 @@ from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.one_rate import at_one_rate
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import (
+    CEILING_OF_LOAD_CELL,
     CREEP_OF_LOAD_CELL,
     DAMPING,
     DEAD_ZONE,
@@ -193,12 +194,15 @@ def likelier_place(trials: list[Trial]) -> list[Trial]:
     - For a dead zone of the skin or of one taxel: the same dead zone in all taxels, if that explains as much.
     - For a loop of the skin that the taxels surely do not feel: the loop of the load cell, if it explains most of it. No skin has a memory
       that bypasses the taxels alone.
+    - For a skin that stiffens or softens beside its taxels alone: the load cell's ceiling, if it explains as much.
     """
     best = trials[0] if trials else None
     if best and best.key[0] == DEAD_ZONE and best.key[1] != "taxel":
         return [t for t in trials if t.key == SWALLOWED["taxel"] and t.score > reach(best.score)]
     if best and best.key == HYSTERESIS and _beside_the_taxels(best):
         return [t for t in trials if t.key == LOOP_OF_LOAD_CELL and t.score > MOST * best.score]
+    if best and best.key == STIFFER and _beside_the_taxels(best):
+        return [t for t in trials if t.key == CEILING_OF_LOAD_CELL and t.score > reach(best.score)]
     return []
 
 
@@ -207,7 +211,8 @@ def _beside_the_taxels(trial: Trial) -> bool:
     model, std = trial.fit.model, trial.fit.std
 
     def beside(i: int, e: Effect) -> bool:
-        sensed, dispersed = (abs(getattr(e, name, 0.0)) for name in ("k_sensed", "k_dispersed"))
-        return sensed + SURE * std.get(model.listed_as(i, "k_sensed"), 0.0) < ALONE * dispersed
+        unit = "k" if hasattr(e, "k_sensed") else "force"
+        sensed, dispersed = (abs(getattr(e, f"{unit}_{branch}", 0.0)) for branch in ("sensed", "dispersed"))
+        return sensed + SURE * std.get(model.listed_as(i, f"{unit}_sensed"), 0.0) < ALONE * dispersed
 
     return bool(model.shares) and all(beside(i, e) for i, e in enumerate(model.effects) if e.key == trial.key)

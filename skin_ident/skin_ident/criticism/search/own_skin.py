@@ -27,30 +27,35 @@ from skin_ident.criticism.said import Said
 from skin_ident.criticism.search.alone import courses_alone
 from skin_ident.criticism.search.hardware import skin_does, specimens_do
 from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.only_held import mean_square
 from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import PARAMETERS
 from skin_models.model import Model
 
-FARTHEST = 0.1  # largest relative deviation of any parameter: what changes by more has a cause
+FARTHEST, LARGEST = 0.1, 0.5  # largest relative deviation of any parameter, as specimens differ, and where it explains nearly everything
+FAR_AHEAD = 2.0  # times what anything else explains, from which it may be that large: what changes by more than FARTHEST mostly has a cause
+NEARLY_AS_LITTLE = 4.0  # times the mean square of fitted sessions, below which another skin explains held-out ones
 AHEAD = 1.1  # times the score of a course that skin parameters must explain to go before it
 NEARLY = 0.85  # share of that score which is enough where the course may as well be such parameters
 MOSTLY = 0.75  # share of a gain's or zero's score from which it is constant in every session but for details
 MUCH = 0.5  # share of what skin parameters explain, above which a gain or a zero of depth is reported as in doubt
 PATTERN = 4  # sessions from which on a gain that steps looks different from skin that strays
 NATURAL = 0.045  # relative deviation of a stiffness that may occur where specimens differ by a hundredth; a larger one is named
-TIMES, SETTLED = 4, 1e-4  # rounds of fitting shared parameters and those of each session in turn, and the change below which they stop
+# Rounds of fitting shared parameters and those of each session in turn, and the change below which they stop: in the same noise, and with
+# the noise found anew.
+TIMES, SETTLED, SETTLED_IN_NOISE = 4, 1e-4, 1e-3
 WORTH_SAYING = 0.002  # relative deviation of a parameter from which it is reported
 
 
-def explained_by_own_skin(search: Search) -> float:
-    """What skin parameters of each session's own explain of training, twice nats. 0 where one would be off by more than specimens are, or
-    where they are not considered for these data."""
+def explained_by_own_skin(search: Search, best: float) -> float:
+    """What skin parameters of each session's own explain of training, twice nats. 0 where one would be off by more than specimens are and
+    the `best` of everything else does not explain far less, or where they are not considered for these data."""
     if not _asked(search) or len(search.train) < 2:
         return 0.0
     theta, explained = _of_train(search)
-    return explained * (np.abs(theta).max() <= FARTHEST)
+    return explained * (np.abs(theta).max() <= (LARGEST if explained > FAR_AHEAD * best else FARTHEST))
 
 
 def take_own_skin(search: Search, explained: float, best: float, runs: list[Run], refused: bool = False) -> bool:
@@ -113,20 +118,40 @@ def take_own_skin_of_held(search: Search, of_train: float, runs: list[Run]) -> b
     (`of_train`). A lone training session cannot show that."""
     if not _asked(search) or not search.held or (len(search.train) > 1 and runs and AHEAD * runs[0].score > of_train):
         return False
-    each = [_of_one(search, s) for s in search.held]
-    explained = sum(x for _, x in each) * all(np.abs(theta).max() <= FARTHEST for theta, _ in each)
-    with_own_skin = [_with(s, search, theta) for s, (theta, _) in zip(search.held, each, strict=True)]
-    best = courses_alone(search)[:1]
-    now, by_skin, *by_course = (
-        cost_of(search.present.model, sessions, search.noise)
-        for sessions in (search.held, with_own_skin, *(added(search.held, r.values) for r in best))
-    )
+    best, held = courses_alone(search)[:1], [_with_its_own(search, s) for s in search.held]
     zeros = all(r.course.carrier == DEPTH for r in best)  # such a zero may be a skin that strays
     gains = _is_lone(search.held[0]) and all(_strays_as_skin(r, NATURAL) for r in best)
     ahead = 1.0 if zeros else NEARLY if gains else AHEAD
-    # Less the charge, because the moments of a course were searched for.
-    worth = max((now - cost - r.charge for cost, r in zip(by_course, best, strict=True)), default=0.0)
-    return now - by_skin > ahead * worth and take_own_skin(search, explained, 0.0, runs, refused=True)
+    now, left, left_by_course = _left_of_held(search, held, best)
+    explained = (now - left) * (_farthest(search, held) <= FARTHEST and now - left > ahead * (now - left_by_course))
+    return take_own_skin(search, explained, 0.0, runs, refused=True)
+
+
+def take_other_specimen(search: Search) -> bool:
+    """The same before anything is named, where held-out sessions press a skin that is far from the fitted one: as long as it is taken for
+    that one, whatever is fitted there stands for the difference. It must leave nearly as little as is left of the fitted sessions, and far
+    less than courses do."""
+    held = [_with_its_own(search, s) for s in search.held] if _asked(search) else []
+    if not FARTHEST < _farthest(search, held) <= LARGEST:
+        return False
+    then, usual = (mean_square(search, search.present.model, sessions) for sessions in (held, search.train))
+    if then > NEARLY_AS_LITTLE * usual:
+        return False
+    now, left, left_by_course = _left_of_held(search, held, courses_alone(search)[:1])
+    return left_by_course > FAR_AHEAD * left and take_own_skin(search, now - left, 0.0, [], refused=True)
+
+
+def _left_of_held(search: Search, held: list[Session], best: list[Run]) -> tuple[float, float, float]:
+    """The cost of held-out sessions: as they are, with skin parameters of their own as in `held`, and with the best course. Its charge
+    counts, since its moments were searched for."""
+    model, noise = search.present.model, search.noise
+    now, by_skin = (cost_of(model, sessions, noise) for sessions in (search.held, held))
+    return now, by_skin, min([now, *(cost_of(model, added(search.held, r.values), noise) + r.charge for r in best)])
+
+
+def _farthest(search: Search, sessions: list[Session]) -> float:
+    """The largest relative deviation of any skin parameter in some sessions; 0 without any."""
+    return max((float(np.abs(_present(search, s)).max()) for s in sessions), default=0.0)
 
 
 def _asked(search: Search) -> bool:
@@ -134,12 +159,18 @@ def _asked(search: Search) -> bool:
 
 
 def settle_skin(search: Search) -> None:
-    """Where sessions have skin parameters of their own, fit these once more, and the shared ones beside them."""
+    """Where sessions have skin parameters of their own, fit these once more, and the shared ones beside them; also in the noise that is left
+    then, since a large difference between sessions was part of the noise before."""
     if not search.own_skin:
         return
-    if len(search.train) > 1:
-        _settle_train(search)
-    search.held = [_with(s, search, _of_one(search, s)[0]) for s in search.held]
+    for _ in range(TIMES):
+        before = _present_of_all(search)
+        if len(search.train) > 1:
+            _settle_train(search)
+        search.held = [_with_its_own(search, s) for s in search.held]
+        search.look()
+        if np.abs(_present_of_all(search) - before).max() < SETTLED_IN_NOISE:
+            return
 
 
 def tell_of_skin(search: Search) -> None:
@@ -193,7 +224,7 @@ def _said(s: Session) -> Said:
 def _settle_train(search: Search) -> None:
     """Fit the skin parameters of training sessions and the shared ones in turn."""
     for _ in range(TIMES):
-        before = np.array([_present(search, s) for s in search.train])
+        before = _present_of_all(search)[: len(search.train)]
         theta, _ = _of_train(search)
         search.train = [_with(s, search, row) for s, row in zip(search.train, theta, strict=True)]
         search.present = fit(search.present.model, search.train, search.noise)
@@ -214,6 +245,11 @@ def _present(search: Search, s: Session) -> np.ndarray:
     return np.array([s.skin.get(u.label, 1.0) - 1.0 for u in _which(search)])
 
 
+def _present_of_all(search: Search) -> np.ndarray:
+    """theta (S, U) as it is in training sessions and in held-out ones after them."""
+    return np.array([_present(search, s) for s in (*search.train, *search.held)])
+
+
 def _of_train(search: Search) -> tuple[np.ndarray, float]:
     """theta (S, U) of the training sessions, and its log-likelihood ratio, in twice nats."""
     sessions, noise, model = search.train, search.noise, search.present.model
@@ -225,10 +261,15 @@ def _of_train(search: Search) -> tuple[np.ndarray, float]:
     return theta.reshape(len(sessions), -1), explained
 
 
-def _of_one(search: Search, s: Session) -> tuple[np.ndarray, float]:
-    """theta (U,) of a held-out session, and its log-likelihood ratio, in twice nats."""
-    J = _rows(search, s)
-    return solved(J, whitened(search.present.model, [s], search.noise) + J @ _present(search, s))
+def _with_its_own(search: Search, s: Session) -> Session:
+    """A held-out session with skin parameters of its own."""
+    for _ in range(TIMES):
+        J, before = _rows(search, s), _present(search, s)
+        theta, _ = solved(J, whitened(search.present.model, [s], search.noise) + J @ before)
+        s = _with(s, search, theta)
+        if np.abs(theta - before).max() < SETTLED:
+            break
+    return s
 
 
 def _with(s: Session, search: Search, theta: np.ndarray) -> Session:

@@ -13,6 +13,7 @@ from skin_ident.criticism.search.own import take_course
 from skin_ident.criticism.search.own_skin import (
     explained_by_own_skin,
     settle_skin,
+    take_other_specimen,
     take_own_skin,
     take_own_skin_at_last,
     take_own_skin_of_held,
@@ -62,7 +63,7 @@ def _round(search: Search) -> bool:
     search.begin_round()
     settle_skin(search)
     last = search.look()
-    if settle_zeros(search):
+    if settle_zeros(search) or take_other_specimen(search):
         return True
     trials, runs = single_before_several(search, search.trials(last)), search.own_courses()
     mass = other_mass(search)
@@ -71,7 +72,7 @@ def _round(search: Search) -> bool:
     if mass and weighs(search, mass, best):
         weigh(search, mass)
         return True
-    of_skin = explained_by_own_skin(search)
+    of_skin = explained_by_own_skin(search, best)
     look = _Look(last, trials, runs, best, of_skin, mass if mass and may_wait(search, mass) else None)
     if take_partly(search, last, max(best, of_skin), runs) or take_where_held(search, last, max(best, of_skin), trials, runs):
         return True

@@ -7,6 +7,7 @@ session is odd where
     its shares S_i / |S_i| are those of the others in another order                          (columns)
     log |S_ic| less that of the others, less the same of its other channels, is log f        (f a factor of units)
     it falls while the load rises, and rises with it in two others or more                   (sign)
+    a taxel changes by more than the force, by a thousand times what it does elsewhere       (a unit, wherever the sessions press)
     all its channels' slopes are f times those of the others, and its range of depth 1 / f   (the depth in another unit of length).
 
 Such a session is corrected, so that the rest of it can be judged, and the finding reports the correction.
@@ -22,6 +23,7 @@ from skin_ident.criticism.pattern import in_sessions, when
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.telemetry.units import AGAINST, FACTORS, FOLLOWS, NEAR_FACTOR, by_grid, load_of, pressed
 from skin_ident.criticism.vocabulary import SWAPPED, UNIT_FACTOR
+from skin_ident.quality import FAR_TOO_MUCH, MOST_FELT
 
 ODD = 0.15  # distance of two unit vectors of shares from which another order is tried
 MENDS = 0.25  # greatest distance left in the other order, as a share of the original one
@@ -35,6 +37,7 @@ OTHERS = (25.4, 1 / 25.4, 10.0, 0.1, 100.0, 0.01)  # inches, centimetres and hun
 CLOSELY = 1.25  # factor within which it must be one of `OTHERS`: skins differ by as much, but hardly ever by exactly that
 USUAL = 1e-3  # m, a usual depth: of two sessions the one further from it is the odd one
 DECIMAL = 1e-4  # error allowed in the decimal logarithm of a power of ten
+THOUSAND = 1e3  # millinewtons in a newton
 MOST = 6  # faults that are corrected in the sessions at one place
 
 
@@ -49,10 +52,11 @@ class _Fault:
 
 def put_right(recordings: list) -> tuple[list, tuple[Symptom, ...]]:
     """The recordings with every odd session corrected, and the symptoms. A session that is alone at its place is tested only for signs, and
-    for units that its converter steps prove."""
+    for units that its converter steps prove or that are off by a thousand."""
     recordings, scaled = _in_newtons(list(recordings))
     recordings, turned = _upright(recordings)
-    symptoms = [*scaled, *turned]
+    recordings, thousandfold = _not_in_thousandths(recordings)
+    symptoms = [*scaled, *turned, *thousandfold]
     for group in _places(recordings):
         for _ in range(MOST):
             fault = _fault([recordings[i] for i in group])
@@ -105,6 +109,30 @@ def _upright(recordings: list) -> tuple[list, list[Symptom]]:
             symptoms.append(Symptom("data_error", where, (channel,), {"factor": quantity(-1.0, "1")}, evidence))
             recordings = [r.scaled({channel: -1.0}) for r in recordings]
     return recordings, symptoms
+
+
+def _not_in_thousandths(recordings: list) -> tuple[list, list[Symptom]]:
+    """Taxels of a session that change by far more than the force, divided by a thousand where that makes them change as in other sessions:
+    as much as at one place, or as little as taxels do that lie elsewhere."""
+    symptoms = []
+    for channel in (c for c in recordings[0].channels if c != "force" and recordings[0].force is not None):
+        felt = [_felt(r, channel) for r in recordings]
+        wrong = [i for i, q in enumerate(felt) if q > FAR_TOO_MUCH and q / THOUSAND < MOST_FELT]
+        usual = [q for i, q in enumerate(felt) if i not in wrong]
+        if not usual or max(usual) > MOST_FELT:
+            continue
+        for i in wrong:
+            why = f"{channel} of {recordings[i].name} changes by {felt[i]:.3g} N per newton of applied force: a factor of units"
+            fault = _of_channel(recordings, i, channel, THOUSAND, why, UNIT_FACTOR)
+            symptoms.append(fault.symptom)
+            recordings = [fault.right if r is recordings[i] else r for r in recordings]
+    return recordings, symptoms
+
+
+def _felt(recording, channel: str) -> float:
+    """The slope of a channel over the force, N/N; 0 where it does not follow the load."""
+    x = recording.channels["force"] - recording.channels["force"].mean()
+    return abs(float(x @ recording.channels[channel] / max(x @ x, 1e-300))) if abs(_follows(recording, channel)) > FOLLOWS else 0.0
 
 
 def _places(recordings: list) -> Iterator[list[int]]:
