@@ -48,6 +48,18 @@ def test_one_channel_that_wanders_among_white_ones_is_odd(odd):
     assert told(noise) == [("load_cell" if odd == 0 else f"taxel_{odd - 1}", "correlation")]
 
 
+@pytest.mark.parametrize(
+    ("white", "slow", "everywhere", "is_told"), [(1.0, 1.2, True, True), (1.0, 1.2, False, False), (0.7, 0.7, True, False)]
+)
+@pytest.mark.parametrize("odd", range(4))
+def test_a_slow_part_beside_white_noise_is_odd_where_it_is_there_in_the_air(white, slow, everywhere, is_told, odd):
+    """Not where it is there under load alone, as what a model lacks would be, nor where both together are as loud as was declared."""
+    rng = np.random.default_rng(13)
+    noise = [LEVEL * rng.standard_normal(T.size) for _ in range(4)]
+    noise[odd] = white * noise[odd] + wandering(rng, 0.98, slow * LEVEL) * (True if everywhere else LOAD[odd] > 0.0)
+    assert told(noise) == [("load_cell" if odd == 0 else f"taxel_{odd - 1}", "correlation")] * is_told
+
+
 @pytest.mark.parametrize("odd", range(4))
 def test_the_low_pass_of_one_amplifier_is_not_odd(odd):
     rng = np.random.default_rng(6)

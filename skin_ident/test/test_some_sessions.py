@@ -52,6 +52,16 @@ def test_skin_that_is_a_hundredth_stiffer_or_softer_every_day_is_no_finding(tmp_
     assert findings["findings"] == [] and findings["verdict"] == "nothing_wrong", findings["findings"]
 
 
+@pytest.mark.parametrize("seed", rows([5, 6, 7, 8], 1))
+@pytest.mark.parametrize("fitted_alike", [False, True], ids=["every session", "the one that is held out"])
+def test_skin_of_another_specimen_is_named_with_its_numbers(tmp_path, seed, fitted_alike):
+    specimens, alike = (make_sessions([], seed=seed, protocol="full", noise="white", between=b)[0] for b in (0.15, 0.0))
+    write_case([*(alike if fitted_alike else specimens)[:2], specimens[2]], tmp_path)
+    every = load(tmp_path)
+    findings = diagnose(every[:2], every[2:]).findings
+    assert [(f["cause"], f["where"]) for f in findings["findings"]] == [("parameters", "skin")] and findings["verdict"] == "explained"
+
+
 @pytest.mark.parametrize("seed", rows([20, 15, 16], 1))
 def test_nor_is_it_a_gain_or_a_zero_of_depth_where_no_taxel_tells(tmp_path, seed):
     sessions, _ = make_sessions([], seed=seed, protocol="full", between=0.01, n_sessions=6)

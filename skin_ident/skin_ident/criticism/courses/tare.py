@@ -31,10 +31,14 @@ EVENLY = 0.5
 Zeros = dict[str, np.ndarray]  # (C + 1,) by session: the zero of every channel, N, and of what drives the test, depth (m) or force (N)
 
 
-def zeros(model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0, *, free: bool) -> tuple[Zeros, float]:
-    """Zero errors of every channel of `sessions` and of what drives them, and their gain in squared whitened units; with the model's own
-    unknowns projected out where they are `free`. Zeros and gain are 0 if larger zeros than tares leave would explain clearly more."""
-    most = np.tile(_most(sessions, noise, encoder_step), len(sessions))
+def zeros(
+    model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0, *, free: bool, driven: bool = True
+) -> tuple[Zeros, float]:
+    """Zero errors of every channel of `sessions` and, where these are `driven`, of what drives them, and their gain in squared whitened
+    units; with the model's own unknowns projected out where they are `free`. Zeros and gain are 0 if larger zeros than tares leave would
+    explain clearly more."""
+    *channels, drive = _most(sessions, noise, encoder_step)
+    most = np.tile([*channels, drive * driven], len(sessions))
     z, fall, able = np.zeros(most.size), 0.0, most > 0.0
     if able.any():
         A = block_diag(*(stack([s.band.thin(_of_each(model, s))], [s], noise) for s in sessions))[:, able] * most[able]

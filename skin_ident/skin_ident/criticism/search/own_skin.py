@@ -142,11 +142,12 @@ def take_other_specimen(search: Search) -> bool:
 
 
 def _left_of_held(search: Search, held: list[Session], best: list[Run]) -> tuple[float, float, float]:
-    """The cost of held-out sessions: as they are, with skin parameters of their own as in `held`, and with the best course. Its charge
-    counts, since its moments were searched for."""
+    """The cost of held-out sessions: as they are, with skin parameters of their own as in `held`, and with the best course. The parameters
+    are charged, and so is the course, since its moments were searched for."""
     model, noise = search.present.model, search.noise
     now, by_skin = (cost_of(model, sessions, noise) for sessions in (search.held, held))
-    return now, by_skin, min([now, *(cost_of(model, added(search.held, r.values), noise) + r.charge for r in best)])
+    charge = len(_which(search)) * sum(np.log(np.count_nonzero(s.weight)) for s in held)
+    return now, by_skin + charge, min([now, *(cost_of(model, added(search.held, r.values), noise) + r.charge for r in best)])
 
 
 def _farthest(search: Search, sessions: list[Session]) -> float:
@@ -159,8 +160,8 @@ def _asked(search: Search) -> bool:
 
 
 def settle_skin(search: Search) -> None:
-    """Where sessions have skin parameters of their own, fit these once more, and the shared ones beside them; also in the noise that is left
-    then, since a large difference between sessions was part of the noise before."""
+    """Where sessions have skin parameters of their own, fit these once more, and the shared ones beside them; also in the noise that is
+    left then, since a large difference between sessions was part of the noise before."""
     if not search.own_skin:
         return
     for _ in range(TIMES):

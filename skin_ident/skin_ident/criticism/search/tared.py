@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import fit
+from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.course import added
 from skin_ident.criticism.courses.left_by_tare import tare_of_drive, tares
 from skin_ident.criticism.courses.run import LEAST_SCORE, least_depth
@@ -17,6 +17,7 @@ from skin_ident.criticism.telemetry.symptom import sensor_of
 from skin_ident.criticism.vocabulary import FORCE_OFFSET, POSITION_OFFSET, SENSORS
 from skin_models.model import Model
 
+KEPT = 0.5  # share of what zeros promise, which must be left of it once everything is fitted
 WORTH_SAYING = 0.2  # of what a tare leaves, from which a zero is reported
 
 
@@ -28,7 +29,7 @@ def take_tare(search: Search, finding: Named) -> bool:
     shared = _shared(search, finding)
     found = shared or _instead(search, search.train, finding.explained, free=True)
     if found:
-        _take(search, found, shared)
+        _take(search, *_with(search, found), found, shared)
         search.yielded.append(finding)
     return bool(found)
 
@@ -45,13 +46,18 @@ def take_zeros(search: Search, least: float = 0.0) -> bool:
     believed they would otherwise remain unexplained. They are asked for once beside the same findings."""
     if search.zeroed == len(search.named):
         return False
-    found, fall = zeros(search.present.model, search.train, search.noise, search.encoder_step, free=True)
-    free = sum(np.count_nonzero(z) for z in found.values())
-    if fall < max(LEAST_SCORE, least, free * np.log(max(search.present.count, 2))):
-        return False
-    _take(search, found, {})
-    search.zeroed = len(search.named)
-    return True
+    for driven in (True, False):
+        found, fall = zeros(search.present.model, search.train, search.noise, search.encoder_step, free=True, driven=driven)
+        free = sum(np.count_nonzero(z) for z in found.values())
+        if fall < max(LEAST_SCORE, least, free * np.log(max(search.present.count, 2))):
+            return False
+        train, after = _with(search, found)
+        # A zero of depth beside play whose own zero is at its bound may not be what a small one promises.
+        if search.present.cost - after.cost > KEPT * fall:
+            _take(search, train, after, found, {})
+            search.zeroed = len(search.named)
+            return True
+    return False
 
 
 def settle_zeros(search: Search) -> bool:
@@ -64,11 +70,16 @@ def settle_zeros(search: Search) -> bool:
     return changed
 
 
-def _take(search: Search, found: Zeros, shared: Zeros) -> None:
-    """Put zeros into the training sessions, and into held-out ones their own zeros, or those that all sessions share."""
-    model = search.present.model
-    search.train = added(search.train, added_by(found, model, search.train))
-    search.present = fit(model, search.train, search.noise)
+def _with(search: Search, found: Zeros) -> tuple[list[Session], Fit]:
+    """The training sessions with zeros, and the fit to them."""
+    train = added(search.train, added_by(found, search.present.model, search.train))
+    return train, fit(search.present.model, train, search.noise)
+
+
+def _take(search: Search, train: list[Session], after: Fit, found: Zeros, shared: Zeros) -> None:
+    """Take the training sessions with the zeros that were `found`, and the fit to them. Put into held-out sessions their own zeros, or
+    those that all sessions share."""
+    search.train, search.present = train, after
     held, model = search.held, search.present.model
     others = shared or (zeros(model, held, search.noise, search.encoder_step, free=False)[0] if held else {})
     more = added_by(others, model, held)

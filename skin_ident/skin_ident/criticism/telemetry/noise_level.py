@@ -10,7 +10,8 @@ the force, where that drives the test), or from what all channels share of such 
 Noise that is less than `OTHER_LEVEL` times as loud as expected still counts as too loud in one channel if the others are as declared, and
 in a taxel if most of the others are too loud. A declared level says nothing about colour or load: noise measured in air may be declared
 truly and still wander. So colour and growth are compared with those of the other channels with a declared level, and a channel is odd if it
-is unlike most of them.
+is unlike most of them. So is one whose noise is louder than declared by a slow part that theirs lack (see `slow_part`), also in the air,
+where no model is at fault.
 
 An encoder error as large as the declared noise makes any noise coloured and load-dependent; then only the level is judged. Noise read
 through steps as wide as itself shows now as nothing, now as a whole step; then only a level that is too high counts.
@@ -28,6 +29,7 @@ from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.sessions.read_again import read_again
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.as_read import calm_lines
+from skin_ident.criticism.telemetry.slow_part import AVERAGED_S, SlowPart, slow_part
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_models.model import Model
 
@@ -37,12 +39,19 @@ LOUDER = 1.35  # factor from which it is too loud where others are as declared
 # Correlation of neighbouring samples above which a channel is odd, if that of the others is below the second. An amplifier's own low-pass
 # makes as much as 0.8.
 COLOURED, WHITE = 0.88, 0.25
+SLOW, SLOW_IN_AIR, QUICK = (
+    0.6,
+    0.5,
+    0.25,
+)  # the same of the slow part, as a share of the expected noise: everywhere, in the air, of the others
+LOUDER_SLOWLY = 1.2  # times the expected noise, which it must reach with its slow part
+IN_AIR = 0.1  # of the expected noise, below which a simulated load is none
 GROWN, STEADY = 1.6, 1.25  # growth with the load: a channel is odd above the first, if that of the others is below the second
 BURIED = 0.5  # rms of rounding over declared noise, from which the noise is buried: steps 1.7 times as wide as it
 NOISE_SEEN = (
     f"looked for and not seen: found where it is {OTHER_LEVEL:g} times as large as declared or more, or so much smaller; and where, in "
-    f"one channel and not in another, it is {LOUDER:g} times as large, neighbouring samples are alike (correlation above {COLOURED:g}), or "
-    f"a load makes it {GROWN:g} times as large"
+    f"one channel and not in another, it is {LOUDER:g} times as large, neighbouring samples are alike (correlation above {COLOURED:g}), a "
+    f"slow part beside it has {SLOW:g} times its size, or a load makes it {GROWN:g} times as large"
 )
 FEWEST = 300  # samples that a verdict needs
 AROUND_S = 0.3  # s around a sample in which the plunger's greatest speed counts
@@ -176,6 +185,25 @@ class _Look:
         return float(np.median([_neighbours(row, b) for row, b in zip(self.rows, self.believed, strict=True)]))
 
     @cached_property
+    def slow_part(self) -> SlowPart | None:
+        """The slow part of the noise at all samples to be used."""
+        return slow_part(self.rows, self.believed, self.period)
+
+    @cached_property
+    def slow_in_air(self) -> SlowPart | None:
+        """The same without load."""
+        return slow_part(
+            self.rows, [b & (np.abs(y) < IN_AIR * self.expected) for y, b in zip(self.loads, self.believed, strict=True)], self.period
+        )
+
+    @property
+    def is_slow_in_part(self) -> bool:
+        """Whether the noise is louder than declared, and much of it slow, in the air as well."""
+        everywhere, air = self.slow_part, self.slow_in_air
+        much = bool(everywhere and air and everywhere.rms > SLOW * self.expected and air.rms > SLOW_IN_AIR * self.expected)
+        return much and self.slow > LOUDER_SLOWLY * self.expected
+
+    @cached_property
     def idle_and_loaded(self) -> tuple[float, float, float]:
         """Spread under the lowest third of loads and under the highest, and the mean magnitude of the latter, N; zeros where the loads
         hardly differ."""
@@ -220,11 +248,18 @@ def _unlike(look: _Look, others: list[_Look]) -> _Unlike | None:
     peers = [o for o in others if o.is_its_own] if look.is_its_own else []
     steady = [o.times_under_load for o in peers if o.would_grow(look.growth) > GROWN]
     grows = bool(steady) and look.times_under_load > GROWN and np.median(steady) < STEADY
+    quick = [o.slow_part.rms / o.expected for o in peers if o.slow_part]
     wanders = bool(peers) and look.colour > COLOURED and np.median([o.colour for o in peers]) < WHITE
+    wanders_too = look.is_slow_in_part and bool(quick) and np.median(quick) < QUICK
     as_declared = bool(peers) and np.median([o.times_expected for o in peers]) < look.times_expected / LOUDER
     alone = as_declared and look.times_expected_idle > LOUDER  # not because it alone carries the load
     louder = LOUDER if alone or _most_are_too_loud(look, others) else OTHER_LEVEL
-    return (_growing(look) if grows else None) or (_wandering(look) if wanders else None) or _of_another_level(look, louder)
+    return (
+        (_growing(look) if grows else None)
+        or (_wandering(look) if wanders else None)
+        or (_slow(look) if wanders_too else None)
+        or _of_another_level(look, louder)
+    )
 
 
 def _most_are_too_loud(look: _Look, others: list[_Look]) -> bool:
@@ -250,6 +285,13 @@ def _wandering(look: _Look) -> _Unlike:
     spread, over = quantity(_spread(look.e), "N"), quantity(tau, "s")
     numbers = {"correlation_of_neighbours": quantity(look.colour, "1"), "coloured": spread, "tau": over}
     return "correlation", f"wanders: {alike}; {look.declared}", numbers
+
+
+def _slow(look: _Look) -> _Unlike:
+    part = look.slow_part
+    scatter = f"averages over {AVERAGED_S:g} s scatter by {part.rms:.3g} N beside white noise of {part.quick:.3g} N"
+    numbers = {"white": quantity(part.quick, "N"), "coloured": quantity(part.rms, "N"), "tau": quantity(part.tau, "s")}
+    return "correlation", f"wanders: {scatter}, in the air as well, and those of another channel do not; {look.declared}", numbers
 
 
 def _of_another_level(look: _Look, louder: float) -> _Unlike | None:
