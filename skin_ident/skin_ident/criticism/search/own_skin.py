@@ -131,11 +131,14 @@ def take_other_specimen(search: Search) -> bool:
     """The same before anything is named, where held-out sessions press a skin that is far from the fitted one: as long as it is taken for
     that one, whatever is fitted there stands for the difference. It must leave nearly as little as is left of the fitted sessions, and far
     less than courses do."""
-    held = [_with_its_own(search, s) for s in search.held] if _asked(search) else []
-    if not FARTHEST < _farthest(search, held) <= LARGEST:
+    if not (_asked(search) and search.held):
         return False
-    then, usual = (mean_square(search, search.present.model, sessions) for sessions in (held, search.train))
-    if then > NEARLY_AS_LITTLE * usual:
+    model = search.present.model
+    little = NEARLY_AS_LITTLE * mean_square(search, model, search.train)
+    if mean_square(search, model, search.held) <= little:
+        return False
+    held = [_with_its_own(search, s) for s in search.held]
+    if not FARTHEST < _farthest(search, held) <= LARGEST or mean_square(search, model, held) > little:
         return False
     now, left, left_by_course = _left_of_held(search, held, courses_alone(search)[:1])
     return left_by_course > FAR_AHEAD * left and take_own_skin(search, now - left, 0.0, [], refused=True)
