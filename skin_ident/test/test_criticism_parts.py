@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import lsq_linear
+from scipy.optimize import least_squares, lsq_linear
 from scipy.signal import lsim
 
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
@@ -157,6 +157,36 @@ def test_a_cause_that_only_leads_out_of_a_false_minimum_is_not_taken():
     assert unstuck(search, late, finding) and not search.present.model.effects
     assert search.baseline is search.present and search.present.cost < 1.1 * late.cost
     assert not unstuck(search, late, finding)
+
+
+def test_a_fit_ends_where_least_squares_of_scipy_ends():
+    """Though it corrects most of its slopes in place of computing them."""
+    session = prepare(recording(SILICONE.extended(StressRelaxation("skin", k_sensed=1200.0, k_dispersed=300.0, tau=0.8)), 0.01))
+    noise, start = (
+        white([np.full(session.measured.shape, 0.01)]),
+        SILICONE.extended(StressRelaxation("skin", k_sensed=300.0, k_dispersed=300.0, tau=0.3)),
+    )
+    which, scale = unknowns(start, session), np.abs(values(start, unknowns(start, session)))
+    end = least_squares(
+        lambda z: noise.apply(residual(with_values(start, which, z * scale), session), session).ravel(), values(start, which) / scale
+    )
+    assert fit(start, [session], noise).cost == pytest.approx(2.0 * end.cost, rel=1e-3)
+
+
+def test_what_was_tried_ahead_is_not_tried_again():
+    told: list[str] = []
+    relaxing = SILICONE.extended(StressRelaxation("skin", k_sensed=1200.0, k_dispersed=300.0, tau=0.8))
+    sessions = [prepare(recording(relaxing.extended(TimeShift("clock_taxels", delay=0.02)), 0.01))]
+    search = Search(sessions, [], directions(sessions[0]), told.append)
+    search.present = fit(SILICONE, sessions, white([np.full(sessions[0].measured.shape, 0.01)]))
+    best = search.trials(search.look())[0]
+    ahead = search.ahead(best.fit)
+    trials = ahead.trials(ahead.look())
+    told.clear()
+    search.present = best.fit
+    again = search.trials(search.look())
+    assert trials and [t.fit for t in again] == [t.fit for t in trials]
+    assert not [said for said in told if said.startswith("trying")]
 
 
 def test_unknowns_are_a_vector_and_back():
