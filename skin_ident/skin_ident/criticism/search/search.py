@@ -100,7 +100,7 @@ def _take_believed(search: Search, look: _Look) -> bool:
 def _believing_none(search: Search, look: _Look) -> bool:
     """Where no cause is believed, take what else may be there, the simplest first. Return whether to look again.
 
-    - zeros as tares leave them, unless a cause is kept from being named by hardware or doubt;
+    - zeros as tares leave them, unless a cause is kept from being named by hardware, or by doubt and explains more;
     - skin parameters of each session's own, in all sessions or in held-out ones;
     - what else is wrong in held-out sessions alone;
     - another mass, if nothing has been named;
@@ -108,7 +108,9 @@ def _believing_none(search: Search, look: _Look) -> bool:
     - a wave;
     - skin parameters of each session's own, though causes that were refused explain more.
     """
-    if not (search.doubts or search.hardware) and take_zeros(search):
+    doubted = max((t.score for t in look.trials if t.key in search.doubts), default=0.0)
+    if not search.hardware and take_zeros(search, reach(doubted)):
+        search.doubts = {}
         return True
     if take_own_skin(search, look.of_skin, look.best, look.runs, refused=True) or take_own_skin_of_held(search, look.of_skin, look.runs):
         return True
