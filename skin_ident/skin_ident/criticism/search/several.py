@@ -16,10 +16,13 @@ NEARLY = 0.9  # share of the first instance's score, above which another cause i
 
 def single_before_several(search: Search, trials: list[Trial]) -> list[Trial]:
     """The trials, the best first. Before a best one of several instances goes another cause that explains nearly as much with one instance
-    and, with the next cause, more than all of those. Not before a cause that the record itself has shown."""
+    and, with the next cause, more than all of those. Not before a cause that the record itself has shown, nor where nothing explains enough
+    to be named."""
     if not (trials and trials[0].plainer and search.lasts) or trials[0].key in search.suspected:
         return trials
     best = trials[0]
+    if best.score < search.least(best.fit.count):
+        return trials
     other = max((t for t in trials if t.key[0] != best.key[0]), key=_alone, default=best)
     if other is best or _alone(other) <= NEARLY * _alone(best) or not _leads_further(search, other.forms[-1], best):
         return trials
