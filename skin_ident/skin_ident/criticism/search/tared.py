@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import Fit, fit
+from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
 from skin_ident.criticism.courses.course import added
 from skin_ident.criticism.courses.left_by_tare import tare_of_drive, tares
 from skin_ident.criticism.courses.run import LEAST_SCORE, least_depth
@@ -53,7 +53,7 @@ def take_zeros(search: Search, least: float = 0.0) -> bool:
             return False
         train, after = _with(search, found)
         # A zero of depth beside play whose own zero is at its bound may not be what a small one promises.
-        if search.present.cost - after.cost > KEPT * fall:
+        if cost_of(search.present.model, search.train, search.noise) - after.cost > KEPT * fall:
             _take(search, train, after, found, {})
             search.zeroed = len(search.named)
             return True
