@@ -51,6 +51,18 @@ def test_a_taxel_in_millinewtons_where_every_session_presses_elsewhere(factor, f
     assert np.allclose(right[1].taxels, (1.0 if found else [[1.0], [1.0], [factor]]) * session(1).taxels)
 
 
+@pytest.mark.parametrize("change", [times("force", 1e-3), lambda r: replace(r, depth=np.full(len(r), 1e-4)), lambda r: r.warned("")])
+def test_neither_a_force_in_kilonewtons_nor_a_plunger_at_rest_says_that_of_a_taxel(change):
+    places = Declared(contact_position_mm={f"session_{i}": (float(i), 0.0) for i in range(3)})
+    assert put_right([replace(r, declared=places) for r in sessions(3, 1, change)])[1] == ()
+
+
+def test_taxels_in_volts_are_in_no_wrong_unit():
+    volts = [replace(r, taxel_units=("V",) * 3) for r in sessions(3, 1, times("taxel_2", 1e3))]
+    places = Declared(contact_position_mm={f"session_{i}": (float(i), 0.0) for i in range(3)})
+    assert put_right([replace(r, declared=places) for r in volts])[1] == ()
+
+
 @pytest.mark.parametrize("change", [times("taxel_1", -1.0), reordered((1, 0, 2))])
 def test_what_a_minority_of_sessions_has_is_one_finding(change):
     right, (symptom,) = put_right([change(r) if i in (1, 4) else r for i, r in enumerate(sessions(5))])

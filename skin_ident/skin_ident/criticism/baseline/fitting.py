@@ -1,7 +1,8 @@
 """Joint output-error fit of a model to several sessions.
 
 Minimises the sum of squared whitened residuals over all unknowns by Levenberg–Marquardt in scaled unknowns; bounds are imposed by clipping.
-Jacobians are forward differences of the simulation itself, so any composition of effects can be fitted.
+Jacobians are forward differences of the simulation itself, so any composition of effects can be fitted. From step to step they are
+corrected rather than computed anew, as long as they predict well.
 
 Source: L. Ljung, System Identification, 2nd ed., 1999, ch. 7 and 10.
 """
@@ -141,12 +142,12 @@ def _descended(model, sessions, noise, iterations, which):
             slopes, computed = _slopes(model, sessions, noise, which), True
         before, theta, last = float(r @ r), values(model, which), r
         accepted, now, model, r = _descend(model, sessions, noise, which, slopes, r, damping)
-        damping = now if accepted else damping
         if not accepted or before - float(r @ r) < TOLERANCE * float(r @ r):
             if computed:
                 return model, r, slopes  # they hold at the present values
             slopes = None
             continue
+        damping = now
         slopes, computed = _corrected(slopes, (values(model, which) - theta) / slopes[1], last, r), False
     return model, r, None
 

@@ -34,7 +34,7 @@ MATERIAL_RMSE = 0.04  # least relative fall of the RMSE in the channel that gain
 HEARD, LOUD = 0.28, 0.35  # size of a change over the residual of a channel (RMS): such changes lower its error by 4 and 6 % at most
 SPOILT = 1.25  # factor by which no cause may raise the error of a channel
 CARRIES = 0.02  # relative fall of its RMSE from which a channel is said to carry the effect
-FOLD_ITERATIONS = 3  # iterations of a fit that begins at the fit to all sessions
+FOLD_ITERATIONS = 4  # iterations of a fit that begins at the fit to all sessions
 
 Asked = tuple[Session, Model, Model]  # a session, and the models before and after that are to predict it
 Residuals = tuple[list[np.ndarray], list[np.ndarray]]  # (C, n) N of each session, before and after

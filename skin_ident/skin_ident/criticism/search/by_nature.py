@@ -211,8 +211,9 @@ def _beside_the_taxels(trial: Trial) -> bool:
     model, std = trial.fit.model, trial.fit.std
 
     def beside(i: int, e: Effect) -> bool:
-        unit = "k" if hasattr(e, "k_sensed") else "force"
-        sensed, dispersed = (abs(getattr(e, f"{unit}_{branch}", 0.0)) for branch in ("sensed", "dispersed"))
-        return sensed + SURE * std.get(model.listed_as(i, f"{unit}_sensed"), 0.0) < ALONE * dispersed
+        v = e.values
+        pairs = [(name, name.removesuffix("sensed") + "dispersed") for name in v if name.endswith("_sensed")]
+        felt = [abs(v[a]) + SURE * std.get(model.listed_as(i, a), 0.0) < ALONE * abs(v[b]) for a, b in pairs if v[a] or v[b]]
+        return bool(felt) and all(felt)
 
     return bool(model.shares) and all(beside(i, e) for i, e in enumerate(model.effects) if e.key == trial.key)

@@ -31,7 +31,7 @@ def exchange(search: Search) -> bool:
     again, its rivals are replaced by those it has now. Not done for short records. `search` is the state of `criticise`."""
     if not search.lasts:
         return False
-    if len(search.named) > 1 and any(_exchanged(search, finding) for finding in _shared(search) if not _is_new(search, finding)):
+    if len(search.named) > 1 and any(_exchanged(search, finding) for finding in _shared(search) if not search.is_new(finding)):
         return True
     return search.refused > MUCH * search.least(search.present.count) and any(_for_rival(search, finding) for finding in _shared(search))
 
@@ -39,11 +39,6 @@ def exchange(search: Search) -> bool:
 def _shared(search: Search) -> list[Named]:
     """The findings that all sessions share."""
     return [n for n in search.named if not (n.courses or n.only)]
-
-
-def _is_new(search: Search, finding: Named) -> bool:
-    """Whether a finding is the last one and nothing came after it: then it has just been preferred to all others in its place."""
-    return finding is search.named[-1] and finding.model is search.present.model
 
 
 def _exchanged(search: Search, finding: Named) -> bool:

@@ -25,7 +25,7 @@ from skin_models.parameter import AMPLITUDE, SHAPE, clipped, parameters_of
 
 MOST = 3  # instances of one cause at one place, at most
 LARGE = 1.0  # whitened gain per sample from which an effect is large: it explains as much as all noise
-AT_SHAPE = 3  # iterations of a first fit, with the shape held, or beside settled shares
+AT_SHAPE = 4  # iterations of a first fit, with the shape held, or beside settled shares
 PROMISED = 0.5  # share of the ranked gain; a fit that gains less is begun anew in other ways
 EXCEEDED, FARTHER = 3.0, 2.0  # times the ranked gain above which the fit is begun anew, from FARTHER times the amount that it found
 LITTLE = 0.05  # share of the ranked amount from which a careful fit begins

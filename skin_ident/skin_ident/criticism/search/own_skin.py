@@ -4,7 +4,8 @@ k1, b1, k2 and b2 of a session are the shared ones times 1 + theta. What theta e
 with the shared parameters projected out of the residual and tangents of all sessions; it is compared with what any cause explains. Where it
 is more, sessions keep parameters of their own. These belong to the baseline, as the zeros of tares do, and held-out sessions have theirs
 fitted by themselves. Where a stiffness differs by more than that of specimens does (`NATURAL`), the finding is `parameters` of the skin,
-with the numbers of every session.
+with the numbers of every session. What differs by more than `FARTHEST` mostly has another cause; up to `LARGEST` it is taken for skin where
+this explains far more than anything else, or where a held-out session is quiet only with a skin of its own.
 """
 
 from dataclasses import replace
@@ -123,15 +124,16 @@ def take_own_skin_of_held(search: Search, of_train: float, runs: list[Run]) -> b
     gains = _is_lone(search.held[0]) and all(_strays_as_skin(r, NATURAL) for r in best)
     ahead = 1.0 if zeros else NEARLY if gains else AHEAD
     now, left, left_by_course = _left_of_held(search, held, best)
-    explained = (now - left) * (_farthest(search, held) <= FARTHEST and now - left > ahead * (now - left_by_course))
-    return take_own_skin(search, explained, 0.0, runs, refused=True)
+    if _farthest(search, held) > FARTHEST or now - left <= ahead * (now - left_by_course):
+        return False
+    return take_own_skin(search, now - left, 0.0, runs, refused=True)
 
 
 def take_other_specimen(search: Search) -> bool:
     """The same before anything is named, where held-out sessions press a skin that is far from the fitted one: as long as it is taken for
     that one, whatever is fitted there stands for the difference. It must leave nearly as little as is left of the fitted sessions, and far
     less than courses do."""
-    if not (_asked(search) and search.held):
+    if search.named or not (_asked(search) and search.held):
         return False
     model = search.present.model
     little = NEARLY_AS_LITTLE * mean_square(search, model, search.train)
@@ -149,7 +151,7 @@ def _left_of_held(search: Search, held: list[Session], best: list[Run]) -> tuple
     are charged, and so is the course, since its moments were searched for."""
     model, noise = search.present.model, search.noise
     now, by_skin = (cost_of(model, sessions, noise) for sessions in (search.held, held))
-    charge = len(_which(search)) * sum(np.log(np.count_nonzero(s.weight)) for s in held)
+    charge = len(_which(search)) * sum(np.log(max(np.count_nonzero(s.weight), 1)) for s in held)
     return now, by_skin + charge, min([now, *(cost_of(model, added(search.held, r.values), noise) + r.charge for r in best)])
 
 
@@ -228,7 +230,7 @@ def _said(s: Session) -> Said:
 def _settle_train(search: Search) -> None:
     """Fit the skin parameters of training sessions and the shared ones in turn."""
     for _ in range(TIMES):
-        before = _present_of_all(search)[: len(search.train)]
+        before = np.array([_present(search, s) for s in search.train])
         theta, _ = _of_train(search)
         search.train = [_with(s, search, row) for s, row in zip(search.train, theta, strict=True)]
         search.present = fit(search.present.model, search.train, search.noise)

@@ -108,7 +108,8 @@ def _believing_none(search: Search, look: _Look) -> bool:
     - a wave;
     - skin parameters of each session's own, though causes that were refused explain more.
     """
-    doubted = max((t.score for t in look.trials if t.key in search.doubts), default=0.0)
+    scores = [*((t.key, t.score) for t in look.trials), *((r.course.key, r.score) for r in look.runs)]
+    doubted = max((score for key, score in scores if key in search.doubts), default=0.0)
     if not search.hardware and take_zeros(search, reach(doubted)):
         search.doubts = {}
         return True
@@ -148,7 +149,7 @@ def eliminate(search: Search) -> bool:
     nothing any more; return whether causes were taken out. The last one was tested just before if nothing came after it, and is then not
     tested again."""
     named = search.named
-    asked = named[:-1] if named and named[-1].model is search.present.model else named
+    asked = named[:-1] if named and search.is_new(named[-1]) else named
     for finding in reversed([n for n in asked if not (n.courses or n.only)]):
         without = fit(search.present.model.lacking(finding.key), search.train, search.noise)
         gain = search.gain(without.model, search.present.model, finding.where)

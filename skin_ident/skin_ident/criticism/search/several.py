@@ -4,7 +4,7 @@ Skin that relaxes twice, once within milliseconds and once over hours, explains 
 stiffens; with one instance it explains less than the lag. So where, with one instance each, another cause explains more or nearly as much,
 that cause is taken for granted, and the search looks one step further. If the cause that comes next beside it makes the better account of
 the two, the other cause is tried first. It must be clearly better; any amount will do where the several instances follow several laws, and
-so are hardly one cause. Where the first of the several instances does as well with one other cause, it keeps its place, alone.
+so are hardly one cause. Where the first of the several instances does better with one other cause, it keeps its place, alone.
 """
 
 from skin_ident.criticism.search.rivals import reach
@@ -28,9 +28,10 @@ def single_before_several(search: Search, trials: list[Trial]) -> list[Trial]:
         return trials
     first = other.forms[-1]
     led = _leads_to(search, first, best)
-    if led == 0.0:
+    if led is None:
         return trials
-    if _leads_to(search, best.plainer, best) > reach(led):  # its first instance, with the same cause beside it, is as good
+    own = _leads_to(search, best.plainer, best)
+    if own is not None and own > led:
         first, other = best.plainer, best
     return [first, *(t for t in trials if t is not other)]
 
@@ -40,16 +41,19 @@ def _alone(trial: Trial) -> float:
     return trial.forms[-1].score
 
 
-def _leads_to(search: Search, first: Trial, best: Trial) -> float:
-    """What `first` and the cause that explains most beside it explain, where that is more than the `best` does with its several instances;
-    clearly more where these are of one law. Else 0. That other cause must not be the one of the `best`, unless `first` is of it."""
+def _leads_to(search: Search, first: Trial, best: Trial) -> float | None:
+    """What `first` and the cause that explains most beside it explain in the present noise. None where the `best` explains more with its
+    several instances, or hardly less if these are of one law, and where that other cause is that of the `best`, unless `first` is as
+    well."""
     search.progress(f"looking for a further cause beside {first.key[0]} in the {first.key[1]}")
     ahead = search.ahead(first.fit)
     following = ahead.trials(ahead.look())
     following = [t for t in following if t.key[0] != first.key[0]] if first.key == best.key else following
     if not following or following[0].key[0] == best.key[0]:
-        return 0.0
+        return None
     before, both, several = (fit.under(ahead.noise, ahead.train) for fit in (search.present, following[0].fit, best.fit))
     laws = {type(e) for e in best.fit.model.effects[len(search.present.model.effects) :]}
     gained = both.score_over(before)
-    return gained * ((gained if len(laws) > 1 else reach(gained)) > several.score_over(before))
+    if (gained if len(laws) > 1 else reach(gained)) <= several.score_over(before):
+        return None
+    return both.under(search.noise, search.train).score_over(search.present)

@@ -34,6 +34,7 @@ from skin_models.model import Model
 MOST_FINDINGS = 5  # findings or rounds, after which findings are compared with each other again
 SHADOW = 0.08  # share of the largest fall of a mean square so far in a channel, below which no further cause is named there
 FORM = 0.06  # share of the score of what was named in a sensor, below which another cause there may be its imperfect form
+REMEMBERED = 20  # surveys that are kept to come back to
 LASTS_S = 30.0  # s of training in all: in less, two bent causes fit any record
 
 Progress = Callable[[str], None]
@@ -93,7 +94,7 @@ class Search:
     hanging: tuple[Effect, ...] = ()  # of a declared mass, the inertia that is felt without its weight
 
     _surveyed: Survey | None = None
-    _before: list[Survey] = field(default_factory=list)  # all earlier ones, of states that look ahead as well
+    _surveys: list[Survey] = field(default_factory=list)  # the latest ones, of states that look ahead as well
 
     @property
     def not_named(self) -> dict[Key, NotNamed]:
@@ -106,8 +107,12 @@ class Search:
         remembered: what was found ahead is often taken next, and is then looked at again."""
         other = copy(self)
         vars(other).update({name: copy(v) for name, v in vars(self).items() if isinstance(v, (list, dict, set))})
-        other.present, other.doubts, other.doubting, other._surveyed, other._before = present, {}, True, None, self._before
+        other.present, other.doubts, other.doubting, other._surveyed, other._surveys = present, {}, True, None, self._surveys
         return other
+
+    def is_new(self, finding: Named) -> bool:
+        """Whether a finding is the last one and nothing came after it: then it has just been preferred to all others in its place."""
+        return finding is self.named[-1] and finding.model is self.present.model
 
     def begin_round(self) -> None:
         """Collect anew the reasons why nothing else is named, and set those of the last round aside."""
@@ -137,13 +142,16 @@ class Search:
         if last is None or not last.is_of(model, self.train):
             if last:
                 last.kept.clear()
-            found = next((s for s in self._before if s.is_of(model, self.train)), None)
+            found = next((s for s in self._surveys if s.is_of(model, self.train)), None)
             self._surveyed = found.without_directions() if found else survey(model, self.train, self.which)
-            self._before += [] if found else [self._surveyed.without_directions()]
+            if not found:
+                self._surveys.append(self._surveyed.without_directions())
+                del self._surveys[:-REMEMBERED]
         return self._surveyed
 
     def trials(self, last: Survey) -> list[Trial]:
-        """The most promising causes, each grown and refitted, the best first."""
+        """The most promising causes of the `last` survey, made of the present fit in the present noise, each grown and refitted, the best
+        first."""
 
         def tried(causes: Iterable[Ranked]) -> Iterator[Trial]:
             return filter(None, (self._possible(r, last.fits) for r in causes))

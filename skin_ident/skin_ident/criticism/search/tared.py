@@ -29,7 +29,8 @@ def take_tare(search: Search, finding: Named) -> bool:
     shared = _shared(search, finding)
     found = shared or _instead(search, search.train, finding.explained, free=True)
     if found:
-        _take(search, *_with(search, found), found, shared)
+        train, after = _with(search, found)
+        _take(search, train, after, found, shared)
         search.yielded.append(finding)
     return bool(found)
 
@@ -52,7 +53,7 @@ def take_zeros(search: Search, least: float = 0.0) -> bool:
         if fall < max(LEAST_SCORE, least, free * np.log(max(search.present.count, 2))):
             return False
         train, after = _with(search, found)
-        # A zero of depth beside play whose own zero is at its bound may not be what a small one promises.
+        # A zero of depth beside play whose own zero is at its bound may not keep what a small one promises; those of the channels will.
         if cost_of(search.present.model, search.train, search.noise) - after.cost > KEPT * fall:
             _take(search, train, after, found, {})
             search.zeroed = len(search.named)

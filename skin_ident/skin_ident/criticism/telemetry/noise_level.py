@@ -39,11 +39,8 @@ LOUDER = 1.35  # factor from which it is too loud where others are as declared
 # Correlation of neighbouring samples above which a channel is odd, if that of the others is below the second. An amplifier's own low-pass
 # makes as much as 0.8.
 COLOURED, WHITE = 0.88, 0.25
-SLOW, SLOW_IN_AIR, QUICK = (
-    0.6,
-    0.5,
-    0.25,
-)  # the same of the slow part, as a share of the expected noise: everywhere, in the air, of the others
+SLOW, SLOW_IN_AIR = 0.6, 0.5  # rms of the slow part over the expected noise, everywhere and in the air, from which a channel is odd,
+QUICK = 0.25  # if that of the others is below this
 LOUDER_SLOWLY = 1.2  # times the expected noise, which it must reach with its slow part
 IN_AIR = 0.1  # of the expected noise, below which a simulated load is none
 GROWN, STEADY = 1.6, 1.25  # growth with the load: a channel is odd above the first, if that of the others is below the second
@@ -198,10 +195,10 @@ class _Look:
 
     @property
     def is_slow_in_part(self) -> bool:
-        """Whether the noise is louder than declared, and much of it slow, in the air as well."""
+        """Whether the noise is louder than declared, and much of it slow, in the air as well: slower than an amplifier's low-pass."""
         everywhere, air = self.slow_part, self.slow_in_air
         much = bool(everywhere and air and everywhere.rms > SLOW * self.expected and air.rms > SLOW_IN_AIR * self.expected)
-        return much and self.slow > LOUDER_SLOWLY * self.expected
+        return much and everywhere.tau > AVERAGED_S and self.slow > LOUDER_SLOWLY * self.expected
 
     @cached_property
     def idle_and_loaded(self) -> tuple[float, float, float]:
@@ -248,16 +245,16 @@ def _unlike(look: _Look, others: list[_Look]) -> _Unlike | None:
     peers = [o for o in others if o.is_its_own] if look.is_its_own else []
     steady = [o.times_under_load for o in peers if o.would_grow(look.growth) > GROWN]
     grows = bool(steady) and look.times_under_load > GROWN and np.median(steady) < STEADY
-    quick = [o.slow_part.rms / o.expected for o in peers if o.slow_part]
+    slow_of_others = [o.slow_part.rms / o.expected for o in peers if o.slow_part]
     wanders = bool(peers) and look.colour > COLOURED and np.median([o.colour for o in peers]) < WHITE
-    wanders_too = look.is_slow_in_part and bool(quick) and np.median(quick) < QUICK
+    is_slow = look.is_slow_in_part and bool(slow_of_others) and np.median(slow_of_others) < QUICK
     as_declared = bool(peers) and np.median([o.times_expected for o in peers]) < look.times_expected / LOUDER
     alone = as_declared and look.times_expected_idle > LOUDER  # not because it alone carries the load
     louder = LOUDER if alone or _most_are_too_loud(look, others) else OTHER_LEVEL
     return (
         (_growing(look) if grows else None)
         or (_wandering(look) if wanders else None)
-        or (_slow(look) if wanders_too else None)
+        or (_slow(look) if is_slow else None)
         or _of_another_level(look, louder)
     )
 

@@ -20,6 +20,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from skin_ident.criticism.pattern import in_sessions, when
+from skin_ident.criticism.telemetry.more_than_applied import in_newtons
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.telemetry.units import AGAINST, FACTORS, FOLLOWS, NEAR_FACTOR, by_grid, load_of, pressed
 from skin_ident.criticism.vocabulary import SWAPPED, UNIT_FACTOR
@@ -55,8 +56,7 @@ def put_right(recordings: list) -> tuple[list, tuple[Symptom, ...]]:
     for units that its converter steps prove or that are off by a thousand."""
     recordings, scaled = _in_newtons(list(recordings))
     recordings, turned = _upright(recordings)
-    recordings, thousandfold = _not_in_thousandths(recordings)
-    symptoms = [*scaled, *turned, *thousandfold]
+    symptoms = [*scaled, *turned]
     for group in _places(recordings):
         for _ in range(MOST):
             fault = _fault([recordings[i] for i in group])
@@ -64,6 +64,8 @@ def put_right(recordings: list) -> tuple[list, tuple[Symptom, ...]]:
                 break
             symptoms.append(fault.symptom)
             recordings[group[fault.session]] = fault.right
+    recordings, thousandfold = _not_in_thousandths(recordings)
+    symptoms += thousandfold
     return recordings, tuple(_together(symptoms, [r.name for r in recordings]))
 
 
@@ -112,27 +114,30 @@ def _upright(recordings: list) -> tuple[list, list[Symptom]]:
 
 
 def _not_in_thousandths(recordings: list) -> tuple[list, list[Symptom]]:
-    """Taxels of a session that change by far more than the force, divided by a thousand where that makes them change as in other sessions:
-    as much as at one place, or as little as taxels do that lie elsewhere."""
+    """Taxels of a session that change by far more than the force there and by no more than it in all other sessions, divided by a thousand.
+    Not where every taxel of the session does: then the force is in another unit."""
+    taxels = [i for i in range(len(recordings[0].taxels)) if recordings[0].force is not None and in_newtons(recordings, i)]
+    felt = np.array([[_felt(r, f"taxel_{i}") for i in taxels] for r in recordings]).reshape(len(recordings), len(taxels))
+    wrong = (felt > FAR_TOO_MUCH) & (felt < THOUSAND * MOST_FELT)
+    wrong &= ~np.all(wrong | (felt == 0.0), axis=1, keepdims=True)
     symptoms = []
-    for channel in (c for c in recordings[0].channels if c != "force" and recordings[0].force is not None):
-        felt = [_felt(r, channel) for r in recordings]
-        wrong = [i for i, q in enumerate(felt) if q > FAR_TOO_MUCH and q / THOUSAND < MOST_FELT]
-        usual = [q for i, q in enumerate(felt) if i not in wrong]
-        if not usual or max(usual) > MOST_FELT:
+    for i, own, odd in zip(taxels, felt.T, wrong.T, strict=True):
+        if odd.all() or max(own[~odd]) > MOST_FELT:
             continue
-        for i in wrong:
-            why = f"{channel} of {recordings[i].name} changes by {felt[i]:.3g} N per newton of applied force: a factor of units"
-            fault = _of_channel(recordings, i, channel, THOUSAND, why, UNIT_FACTOR)
+        for k in np.flatnonzero(odd):
+            why = f"taxel_{i} of {recordings[k].name} changes by {own[k]:.3g} N per newton of applied force: a factor of units"
+            fault = _of_channel(recordings, int(k), f"taxel_{i}", THOUSAND, why, UNIT_FACTOR)
             symptoms.append(fault.symptom)
-            recordings = [fault.right if r is recordings[i] else r for r in recordings]
+            recordings = [fault.right if r is recordings[k] else r for r in recordings]
     return recordings, symptoms
 
 
 def _felt(recording, channel: str) -> float:
-    """The slope of a channel over the force, N/N; 0 where it does not follow the load."""
+    """The slope of a channel over the force, N/N; 0 where it does not follow the load, or there is none."""
+    if load_of(recording, channel) is None or abs(_follows(recording, channel)) <= FOLLOWS:
+        return 0.0
     x = recording.channels["force"] - recording.channels["force"].mean()
-    return abs(float(x @ recording.channels[channel] / max(x @ x, 1e-300))) if abs(_follows(recording, channel)) > FOLLOWS else 0.0
+    return abs(float(x @ recording.channels[channel] / max(x @ x, 1e-300)))
 
 
 def _places(recordings: list) -> Iterator[list[int]]:
