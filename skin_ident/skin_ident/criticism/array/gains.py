@@ -17,6 +17,7 @@ from skin_ident.criticism.noise.whitening import Whitener, stack
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
+LEAST = 1e-3  # largest share of a session, below which steps are of this
 PROBE = 0.01  # step of finite differences, of the largest share
 STEPS = 3  # Gauss-Newton steps; one is enough unless taxels have a dead zone
 MODEL = 3e-4  # of the largest share: error of a static share from the imperfect form of the model
@@ -109,7 +110,7 @@ def _unread(model: Model, s: Session) -> np.ndarray:
 def _by_share(model: Model, s: Session) -> np.ndarray:
     """d(simulated)/d(share) of every taxel, (T, C, n), in the common band."""
     shares = np.array(placed(model, s).shares)
-    base, step = simulated(model, s), PROBE * shares.max()
+    base, step = simulated(model, s), PROBE * max(shares.max(), LEAST)
     probed = [simulated(*with_shares(model, s, shares + step * row)) for row in np.eye(shares.size)]
     return np.array([s.band.thin(y - base) / step for y in probed])
 

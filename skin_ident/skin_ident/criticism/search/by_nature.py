@@ -201,9 +201,8 @@ def likelier_place(trials: list[Trial]) -> list[Trial]:
         return [t for t in trials if t.key == SWALLOWED["taxel"] and t.score > reach(best.score)]
     if best and best.key == HYSTERESIS and _beside_the_taxels(best):
         return [t for t in trials if t.key == LOOP_OF_LOAD_CELL and t.score > MOST * best.score]
-    if best and best.key == STIFFER and _beside_the_taxels(best):
-        return [t for t in trials if t.key == CEILING_OF_LOAD_CELL and t.score > reach(best.score)]
-    return []
+    ceilings = [t for t in trials if t.key == CEILING_OF_LOAD_CELL and t.score > reach(best.score)]
+    return ceilings if ceilings and best.key == STIFFER and _beside_the_taxels(best) else []
 
 
 def _beside_the_taxels(trial: Trial) -> bool:

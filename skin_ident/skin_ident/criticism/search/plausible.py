@@ -8,11 +8,12 @@ from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.unknowns import LATE, least_damping
 from skin_ident.criticism.search.growing import felt, unlike_skin
 from skin_ident.criticism.search.trial import Trial
-from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_ident.criticism.telemetry.pull import is_pulled
 from skin_ident.criticism.vocabulary import ADHESION, DAMPING, HYSTERESIS
 from skin_models.effects.hysteresis import SkinHysteresis
 
+HARDLY = 0.8  # of a simulated depth, beyond which a loop hardly yields
 FELT = 0.4  # least ratio of what the load cell feels of an effect of the skin to what a taxel feels of it
 
 
@@ -37,9 +38,10 @@ def _is_no_skin(trial: Trial, sessions: list[Session]) -> bool:
 
 
 def _never_yields(trial: Trial, sessions: list[Session]) -> bool:
-    """An element of a loop that no motion is long enough to make yield is only a stiffness; other forms of a loop yield little by
-    little."""
-    farthest = max((float(s.motion.x.max()) for s in sessions if s.drive is None), default=np.inf)
+    """An element of a loop that no motion is long enough to make yield is only a stiffness; other forms of a loop yield little by little.
+    Where a force drives the test the depth is only simulated, and an element that yields at its very end is none, either."""
+    skin = trial.fit.model.dispersion
+    farthest = max(float(motion_under(s, skin).x.max()) * (1.0 if s.drive is None else HARDLY) for s in sessions)
     loops = trial.fit.model.having(HYSTERESIS)
     return trial.key == HYSTERESIS and all(type(e) is SkinHysteresis and e.threshold >= farthest for e in loops)
 
