@@ -17,7 +17,7 @@ from skin_ident.criticism.noise.whitening import Whitener, stack
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
-LEAST = 1e-3  # largest share of a session, below which steps are of this
+LEAST = 1e-3  # share that is taken for the largest one in the next, where taxels feel less
 PROBE = 0.01  # step of finite differences, of the largest share
 STEPS = 3  # Gauss-Newton steps; one is enough unless taxels have a dead zone
 MODEL = 3e-4  # of the largest share: error of a static share from the imperfect form of the model

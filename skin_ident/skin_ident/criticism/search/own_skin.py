@@ -119,14 +119,15 @@ def take_own_skin_of_held(search: Search, of_train: float, runs: list[Run]) -> b
     (`of_train`). A lone training session cannot show that."""
     if not _asked(search) or not search.held or (len(search.train) > 1 and runs and AHEAD * runs[0].score > of_train):
         return False
-    best, held = courses_alone(search)[:1], [_with_its_own(search, s) for s in search.held]
+    held = [_with_its_own(search, s) for s in search.held]
+    if _farthest(search, held) > FARTHEST:
+        return False
+    best = courses_alone(search)[:1]
     zeros = all(r.course.carrier == DEPTH for r in best)  # such a zero may be a skin that strays
     gains = _is_lone(search.held[0]) and all(_strays_as_skin(r, NATURAL) for r in best)
     ahead = 1.0 if zeros else NEARLY if gains else AHEAD
     now, left, left_by_course = _left_of_held(search, held, best)
-    if _farthest(search, held) > FARTHEST or now - left <= ahead * (now - left_by_course):
-        return False
-    return take_own_skin(search, now - left, 0.0, runs, refused=True)
+    return now - left > ahead * (now - left_by_course) and take_own_skin(search, now - left, 0.0, runs, refused=True)
 
 
 def take_other_specimen(search: Search) -> bool:

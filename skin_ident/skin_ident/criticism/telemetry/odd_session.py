@@ -7,7 +7,7 @@ session is odd where
     its shares S_i / |S_i| are those of the others in another order                          (columns)
     log |S_ic| less that of the others, less the same of its other channels, is log f        (f a factor of units)
     it falls while the load rises, and rises with it in two others or more                   (sign)
-    a taxel changes by more than the force, by a thousand times what it does elsewhere       (a unit, wherever the sessions press)
+    a taxel changes by far more than the force, and by no more than it in all others         (a unit, wherever the sessions press)
     all its channels' slopes are f times those of the others, and its range of depth 1 / f   (the depth in another unit of length).
 
 Such a session is corrected, so that the rest of it can be judged, and the finding reports the correction.
@@ -120,16 +120,16 @@ def _not_in_thousandths(recordings: list) -> tuple[list, list[Symptom]]:
     felt = np.array([[_felt(r, f"taxel_{i}") for i in taxels] for r in recordings]).reshape(len(recordings), len(taxels))
     wrong = (felt > FAR_TOO_MUCH) & (felt < THOUSAND * MOST_FELT)
     wrong &= ~np.all(wrong | (felt == 0.0), axis=1, keepdims=True)
-    symptoms = []
+    right, symptoms = list(recordings), []
     for i, own, odd in zip(taxels, felt.T, wrong.T, strict=True):
         if odd.all() or max(own[~odd]) > MOST_FELT:
             continue
         for k in np.flatnonzero(odd):
             why = f"taxel_{i} of {recordings[k].name} changes by {own[k]:.3g} N per newton of applied force: a factor of units"
-            fault = _of_channel(recordings, int(k), f"taxel_{i}", THOUSAND, why, UNIT_FACTOR)
+            fault = _of_channel(right, int(k), f"taxel_{i}", THOUSAND, why, UNIT_FACTOR)
             symptoms.append(fault.symptom)
-            recordings = [fault.right if r is recordings[k] else r for r in recordings]
-    return recordings, symptoms
+            right[k] = fault.right
+    return right, symptoms
 
 
 def _felt(recording, channel: str) -> float:
