@@ -1,7 +1,8 @@
 """Adding one cause to a model: as many instances of its effect as the data support, each refitted with everything else."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -53,7 +54,7 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
             break
         present = _refined(trial, gained, sessions, noise)
         stages.append(present)
-    return (present, *stages[: len(stages) > 1])
+    return (present, stages[0]) if len(stages) > 1 else (present,)
 
 
 def spared(present: Fit, key: Key, sessions: list[Session], noise: Whitener) -> Fit:
@@ -71,7 +72,12 @@ def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise:
     """The fit with one more instance. A large effect is begun in each of its forms and the best is taken, because the ranking is by small
     amounts, which do not tell the forms apart."""
     forms = _forms(ranked) if ranked.gain >= LARGE * present.count else [ranked]
-    begun = (f for r in forms for f in (_in_form(present, r, sessions, noise), *_beside_sound_damping(present, r, sessions, noise)))
+
+    @cache  # forms share some beginnings
+    def begun_at(d: Direction, amount: float) -> Fit:
+        return _begun_at(d, amount, present, sessions, noise)
+
+    begun = (f for r in forms for f in (_in_form(present, r, begun_at), *_beside_sound_damping(present, r, sessions, noise)))
     return min(begun, key=lambda f: f.cost)
 
 
@@ -83,9 +89,9 @@ def _forms(ranked: Ranked) -> list[Ranked]:
     return [*found.values()]
 
 
-def _in_form(present: Fit, ranked: Ranked, sessions: list[Session], noise: Whitener) -> Fit:
-    """The fit with one more instance in the ranked form. It begins at the ranked shape, which is held at first: there the fit is nearly
-    linear, while a shape that is free at once runs away. Beginnings are, in turn:
+def _in_form(present: Fit, ranked: Ranked, begun_at: Callable[[Direction, float], Fit]) -> Fit:
+    """The fit with one more instance in the ranked form; `begun_at` fits it from an amount of a direction. It begins at the ranked shape,
+    which is held at first: there the fit is nearly linear, while a shape that is free at once runs away. Beginnings are, in turn:
 
     - the ranked amount; or little of it, where the whole amount leaves the fit worse than before because the model's own unknowns must
       change with the effect;
@@ -95,20 +101,20 @@ def _in_form(present: Fit, ranked: Ranked, sessions: list[Session], noise: White
       finer forms (damping may have taken all that a plain lag would explain, and left what only a lag of a part does).
     """
     for share in (1.0, LITTLE):
-        trial = _begun_at(ranked.best, share * ranked.best_amount, present, sessions, noise)
+        trial = begun_at(ranked.best, share * ranked.best_amount)
         if trial.cost < present.cost:
             break
     gained = present.cost - trial.cost
     if gained > EXCEEDED * ranked.gain:
         found = getattr(trial.model.effects[-1], ranked.best.parameter) / ranked.best.size
-        return min(trial, _begun_at(ranked.best, FARTHER * found, present, sessions, noise), key=lambda f: f.cost)
+        return min(trial, begun_at(ranked.best, FARTHER * found), key=lambda f: f.cost)
     if gained > PROMISED * ranked.gain:
         return trial
     large = [(d, np.sign(z) * d.probe) for d, z in zip(ranked.used, ranked.amounts, strict=True) if d.probe != PROBE]
     finer = [(replace(ranked.best, effect=e), ranked.best_amount) for e in _finer(ranked.best.effect)]
     little = [(ranked.best, LITTLE * ranked.best_amount)] if share == 1.0 else []
     others = [*little, *large, *finer]
-    return min([trial, *(_begun_at(d, z, present, sessions, noise) for d, z in others)], key=lambda f: f.cost)
+    return min([trial, *(begun_at(d, float(z)) for d, z in others)], key=lambda f: f.cost)
 
 
 def _beside_sound_damping(present: Fit, ranked: Ranked, sessions: list[Session], noise: Whitener) -> Iterator[Fit]:

@@ -41,7 +41,10 @@ class Survey:
 
     def is_of(self, model: Model, sessions: list[Session]) -> bool:
         """Whether this is the survey of that very model in these very sessions."""
-        return self.model is model and len(sessions) == len(self.sessions) and all(map(is_, sessions, self.sessions))
+        return self.model is model and self._is_in(sessions)
+
+    def _is_in(self, sessions: list[Session]) -> bool:
+        return len(sessions) == len(self.sessions) and all(map(is_, sessions, self.sessions))
 
     def without_directions(self) -> "Survey":
         """The same without the directions in memory, which are computed again when they are asked for."""
@@ -58,17 +61,26 @@ class Survey:
             self.kept[session.name] = session, rows
         return rows, len(mine)
 
-    @cached_property
+    @property
     def explained_by_everything(self) -> float:
         """What the richest set of directions explains beside the model's own unknowns, less the charge for each direction used."""
-        A, r, z, own = self.richest(list(self.sessions))
-        return float(r @ r - np.sum((r - A @ z) ** 2) - np.log(max(np.count_nonzero(r), 2)) * np.count_nonzero(z[own:]))
+        return self._richest[1]
 
-    def richest(self, sessions: list[Session]) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
-        """Of some sessions: all directions, whitened, (rows, M); the whitened residual (rows,); the coefficients (M,) of the richest set of
-        directions that explains it; and how many of the M are the model's own unknowns."""
+    def richest(self, sessions: list[Session]) -> np.ndarray:
+        """The coefficients (M,) of the richest set of directions that explains the residual of some sessions."""
+        return self._richest[0] if self._is_in(sessions) else self._pursued(sessions)[0]
+
+    @cached_property
+    def _richest(self) -> tuple[np.ndarray, float]:
+        return self._pursued(list(self.sessions))
+
+    def _pursued(self, sessions: list[Session]) -> tuple[np.ndarray, float]:
+        """The coefficients (M,) of the richest set of directions in some sessions, and what it explains there beside the model's own
+        unknowns, less the charge for each direction used."""
         A, r, own = self._whitened(sessions)
-        return A, r, pursue(A, r, own + RICHEST, own), own
+        z = pursue(A, r, own + RICHEST, own)
+        charge = np.log(max(np.count_nonzero(r), 2)) * np.count_nonzero(z[own:])
+        return z, float(r @ r - np.sum((r - A @ z) ** 2) - charge)
 
     def of_its_own(self, cause: Key, others: Collection[Key]) -> float:
         """Share of what `cause` explains that more of the `others` would not explain: near 0 where it may stand for what their forms lack,

@@ -66,7 +66,7 @@ def systematic_rest(last: Survey, train: list[Session], held: list[Session], enc
     if not seconds:
         return Rest(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     fitted = [s for s in train if s not in held] or train
-    _, _, z, _ = last.richest(fitted)
+    z = last.richest(fitted)
     before = [residual(last.model, s) for s in held]
     after = [e - np.tensordot(z, last.directions_of(s)[0], 1) for e, s in zip(before, held, strict=True)]
     before, after = (beside_uncertainty(e, last.model, fitted, held, last.noise) for e in (before, after))
