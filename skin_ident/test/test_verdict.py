@@ -8,6 +8,7 @@ from rows import rows
 from scipy.signal import lfilter
 from test_faults import session
 from world import make_sessions, write_case
+from world.hidden import Hide
 
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.telling.outcome import Outcome
@@ -110,3 +111,14 @@ def test_the_terminal_says_in_which_sessions_most_is_left():
     findings = {"recordings": [{"name": f"day{i}"} for i in range(6)], "findings": [], "baseline": {}, "untestable": []}
     said = {verdict: summary(findings | {"systematic_rest": rest, "verdict": verdict}) for verdict in ("unexplained", "nothing_wrong")}
     assert "of the force is from day4 on: 2.3 times" in said["unexplained"] and "day4" not in said["nothing_wrong"]
+
+
+def test_in_turn_the_plain_model_does_no_worse_than_where_it_was_fitted(tmp_path):
+    """Its error is systematic, and no noise that wanders: fitted as if it were, it would be twice as large in other sessions."""
+    made, _ = make_sessions([Hide("nonlinear_stiffness", "skin", "fung", 12.0)], seed=5, n_taxels=1, protocol="full", noise="white")
+    write_case(made, tmp_path)
+    findings = diagnose(load(tmp_path)).findings
+    assert [f["cause"] for f in findings["findings"]] == ["nonlinear_stiffness"]
+    for channel, gain in findings["gain_by_channel"].items():
+        fitted = [r["rmse"][channel]["baseline"] for r in findings["recordings"]]
+        assert gain["held_out_rmse_before"] == pytest.approx(np.mean(fitted), rel=0.05)

@@ -13,9 +13,9 @@ MOST = 100.0  # largest ratio of a taxel to the applied force; above 1 where uni
 
 def dispersion_start(sessions: list[Session], mass: float = 0.0) -> Model:
     """A dispersion model by regression of every channel on depth and speed in contact, over all sessions, in the common band."""
-    H = np.concatenate([s.band.thin(np.array([s.motion.v, s.motion.x]) * (s.motion.x > 0)) for s in sessions], axis=1).T
     if sessions[0].drive is not None:
         return _ratios(sessions, mass)
+    H = np.concatenate([s.band.thin(np.array([s.motion.v, s.motion.x]) * (s.motion.x > 0)) for s in sessions], axis=1).T
     slopes = {}
     for c, name in enumerate(sessions[0].channels):
         y = np.concatenate([s.measured[c] for s in sessions])

@@ -5,7 +5,6 @@ from dataclasses import replace
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.start import dispersion_start
-from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.alone import drop_alone
 from skin_ident.criticism.search.doubt import unproven
 from skin_ident.criticism.search.driving import with_load_cell
@@ -55,14 +54,25 @@ def criticise(
 
     def searched(suspected: set[Key]) -> Search:
         which, weighable = _asked(every, suspected), given is None or (weighs_as_skin(given) and not mass_declared)
-        known = (encoder_step, weighable, mass_declared, given is not None)
-        search = Search(train, held, which, progress, *known, suspected=suspected, most=most)
+        search = Search(
+            train,
+            held,
+            which,
+            progress,
+            encoder_step=encoder_step,
+            weighable=weighable,
+            declared=mass_declared,
+            only_lighter=given is not None,
+            suspected=suspected,
+            most=most,
+        )
         search.baseline = fitted
         _name_all(search)
         return search
 
-    search = searched(_shown(fitted.model, train))
-    late = _shown(search.present.model, [*search.train, *search.held]) & _in_whose_place(search)
+    shown = _shown(fitted.model, train)
+    search = searched(shown)
+    late = (_shown(search.present.model, [*search.train, *search.held]) & _in_whose_place(search)) - shown
     search = searched(late) if late else search  # beside the baseline's residual these could not be seen
     unweigh(search)
     settle_skin(search)
@@ -73,7 +83,7 @@ def criticise(
     named = with_load_cell(search.named, search.present.model, search.runs, [*search.train, *search.held])
     told = (tuple(named), search.survey(), tuple(search.rounds))
     c = Criticism(search.baseline, search.present, *told, tuple(search.train), tuple(search.held), search.not_named, search.grown)
-    c = replace(c, baseline=fit(given, train, noise, 0) if given else _baseline_beside(c, start, search.hanging, train, noise))
+    c = replace(c, baseline=fit(given, train, noise, 0) if given else _baseline_beside(c, start, search.hanging, train))
     return _without_names(c, train, held) if _predicts_worse(c, held) else c
 
 
@@ -119,13 +129,13 @@ def _name_all(search: Search) -> None:
         eliminate(search)
 
 
-def _baseline_beside(c: Criticism, start: Model, hanging: tuple[Effect, ...], train: list[Session], noise: Whitener) -> Fit:
-    """The plain model. It is fitted again where the mass was fitted, or where sessions have a skin of their own that is no finding: the
-    baseline then has these, too."""
+def _baseline_beside(c: Criticism, start: Model, hanging: tuple[Effect, ...], train: list[Session]) -> Fit:
+    """The plain model, as near to the record as it can be: fitted again in the noise that is left beside all causes. Where the mass was
+    fitted, or sessions have a skin of their own that is no finding, it has these, too."""
     plain = [replace(s, skin=c.skin_before(own)) for s, own in zip(train, c.train, strict=True)]
-    if not (c.train[0].free_mass or any(s.skin for s in plain)):
+    if not (c.named or c.train[0].free_mass or any(s.skin for s in plain)):
         return c.baseline
-    return fit(replace(start, effects=hanging), weighed(plain, c.train[0].heaviest), noise)
+    return fit(replace(start, effects=hanging), weighed(plain, c.train[0].heaviest), c.last.noise)
 
 
 def _predicts_worse(c: Criticism, held: list[Session]) -> bool:

@@ -11,10 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import ITERATIONS, Fit, fit, noise_of
+from skin_ident.criticism.baseline.fitting import ITERATIONS, Fit, fit
 from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.gates.gate import EACH_IN_TURN, FOLD_ITERATIONS, rmse_fall
+from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.sessions.beginning import at_rest
 from skin_ident.criticism.sessions.parting import without_parting
@@ -34,7 +35,7 @@ class Judged:
     criticism: Criticism
     symptoms: tuple[dict[str, Any], ...]
     channels: dict[str, dict[str, Any]]
-    naive: Model  # the baseline fitted without the faulty samples
+    clean: Model  # the baseline fitted without the faulty samples
 
 
 def judge(
@@ -63,10 +64,7 @@ def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Sess
         ]
         for pair in zip(whole, (c.train, c.held), strict=True)
     ]
-    iterations = 0 if given else ITERATIONS
-    baseline = fit(start, plain[0], noise_of(start, plain[0]), iterations)
-    if not given:  # the start's residual says little about the noise: once more, in the noise that is left
-        baseline = fit(baseline.model, plain[0], noise_of(baseline.model, plain[0]), iterations)
+    baseline = fit(start, plain[0], c.last.noise, 0 if given else ITERATIONS)
     train, held = ([s.with_own_of(own) for s, own in zip(*pair, strict=True)] for pair in zip(plain, (c.train, c.held), strict=True))
     model = with_effects(model, effects)
     for e in (e for e in effects if e.cause == "quantization"):
@@ -127,13 +125,14 @@ def _fold(c: Criticism, whole: list[Session], fold: list[int], given: bool) -> I
     rest = [i for i in range(len(c.train)) if i not in fold]
     others = with_reference([c.train[i] for i in rest])
     plain = [c.before(s, whole[i]) for i, s in zip(rest, others, strict=True)]
-    before = c.baseline.model if given else _refitted(c.baseline, plain)
-    after = _refitted(c.extended, others)
+    before = c.baseline.model if given else _refitted(c.baseline, plain, c.last.noise)
+    after = _refitted(c.extended, others, c.last.noise)
     yield from (_pair(c, before, after, replace(c.train[i], reference=None), whole[i]) for i in fold)
 
 
-def _refitted(known: Fit, sessions: list[Session]) -> Model:
-    noise = noise_of(known.model, sessions)
+def _refitted(known: Fit, sessions: list[Session], noise: Whitener) -> Model:
+    """The model fitted to other sessions, in the noise that the search found. In the noise of its own residual a model that lacks something
+    would take most of its error for noise that wanders, and fit the rest."""
     return fit(known.model, sessions, noise, FOLD_ITERATIONS, known.unknowns).model
 
 

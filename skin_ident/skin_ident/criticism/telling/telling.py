@@ -53,7 +53,7 @@ def _seen(entry: dict[str, Any], symptom: Symptom, gain: dict[str, Any], judged:
         instead = BY_NAME[symptom.cause].instead or advice
         advice = f"{instead}; the extended model does not do this, so do not rely on it near contact"
     c, evidence = judged.criticism, {**entry["evidence"], **_simulated(symptom, bool(gain))}
-    hid = {"hid_in": moved(judged.naive, c.baseline.model, c)} if gain and not given else {}
+    hid = {"hid_in": moved(judged.clean, c.baseline.model, c)} if gain and not given else {}
     return {**entry, "gain": {**entry["gain"], **gain}, "evidence": evidence, "advice": advice, **hid}
 
 
