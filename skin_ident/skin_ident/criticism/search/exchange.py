@@ -31,7 +31,8 @@ def exchange(search: Search) -> bool:
     again, its rivals are replaced by those it has now. Not done for short records. `search` is the state of `criticise`."""
     if not search.lasts:
         return False
-    if len(search.named) > 1 and any(_exchanged(search, finding) for finding in _shared(search) if not search.is_new(finding)):
+    several = len(search.named) > 1 or search.own_skin  # what was named first had to explain what differs between skins as well
+    if several and any(_exchanged(search, finding) for finding in _shared(search) if not search.is_new(finding)):
         return True
     return search.refused > MUCH * search.least(search.present.count) and any(_for_rival(search, finding) for finding in _shared(search))
 
@@ -63,6 +64,9 @@ def _exchanged(search: Search, finding: Named) -> bool:
         return False
     numbers = len(shared[0].unknowns) - len(search.present.unknowns) if shared else 0
     if other.key in search.put_out or not _better(other.explained, explained, numbers):
+        if other.explained > reach(explained):
+            near = Rival(*other.key, explained - other.explained, shared[0].model if shared else None)
+            _replace(search, finding, finding.with_rivals([near]))
         return False
     search.put_out.add(key)
     _become(search, ahead, finding)
@@ -78,8 +82,11 @@ def _renew_rivals(search: Search, finding: Named, near: tuple[Rival, ...]) -> No
     itself."""
     if finding.key in {a.key for a in near}:
         known = {n.key for n in search.named}
-        again = replace(finding, alternatives=tuple(a for a in near if a.key not in known))
-        search.named = [again if n is finding else n for n in search.named]
+        _replace(search, finding, replace(finding, alternatives=tuple(a for a in near if a.key not in known)))
+
+
+def _replace(search: Search, finding: Named, by: Named) -> None:
+    search.named = [by if n is finding else n for n in search.named]
 
 
 def _better(other: float, than: float, numbers: int) -> bool:

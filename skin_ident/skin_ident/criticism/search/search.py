@@ -30,12 +30,14 @@ from skin_ident.criticism.search.unstuck import unstuck
 from skin_ident.criticism.search.wandering import take_wave
 from skin_ident.criticism.search.weighing import may_wait, other_mass, weigh, weighs
 
+GOOD_PART = 0.25  # share of what refused causes explain, from which skin parameters go before two causes that hide each other
 PASSES = 40  # rounds at most; some name nothing and only mend the baseline, and searches settle long before
 
 
 def run(search: Search, fitted: Fit) -> None:
     """Name one cause after the other, beginning with the fitted baseline, until held-out data support no more."""
     search.present = fitted
+    search.settle_first_fit()
     for _ in range(PASSES):
         if len(search.rounds) >= search.most or not _round(search):
             return
@@ -104,9 +106,10 @@ def _believing_none(search: Search, look: _Look) -> bool:
     - skin parameters of each session's own, in all sessions or in held-out ones;
     - what else is wrong in held-out sessions alone;
     - another mass, if nothing has been named;
+    - skin parameters of each session's own, though causes that were refused explain more, if they explain a good part of that;
     - two causes that hide each other, if nothing has been named and hardware does as much as none of the best trials;
     - a wave;
-    - skin parameters of each session's own, though causes that were refused explain more.
+    - skin parameters of each session's own, though causes that were refused explain far more.
     """
     scores = [*((t.key, t.score) for t in look.trials), *((r.course.key, r.score) for r in look.runs)]
     doubted = max((score for key, score in scores if key in search.doubts), default=0.0)
@@ -120,6 +123,8 @@ def _believing_none(search: Search, look: _Look) -> bool:
         return True
     if look.mass and not search.named:
         weigh(search, look.mass)
+        return True
+    if look.of_skin > GOOD_PART * look.best and take_own_skin_at_last(search, look.of_skin, look.runs):
         return True
     by_hardware = any(t.key in search.hardware and t.score > reach(look.best) for t in look.trials)
     pair = None if search.named or search.stage or by_hardware else two_at_once(search, look.trials, look.runs)
@@ -156,6 +161,7 @@ def eliminate(search: Search) -> bool:
         if not (gain.passed or search.second_opinion(without.model, search.present.model, finding.where, gain).passed):
             search.present, search.named = without, [n for n in search.named if n is not finding]
             search.dropped.add(finding.key)
+            search.befores.pop(finding.key, None)
     for finding in search.named:
         search.present = spared(search.present, finding.key, search.train, search.noise)
     return search.named != named
