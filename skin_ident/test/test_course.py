@@ -5,14 +5,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from gate_records import DEPTH, PLAIN, T, recorded
 from hide_and_seek import seek
 from rows import rows
 from world import make_sessions, write_case
 from world.hidden import Hide
 
-from skin_ident.criticism.courses.gate import _agrees
+from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.courses.carriers import SLOPE, ZERO
+from skin_ident.criticism.courses.course import _ground, _run, _shows_in_the_air
+from skin_ident.criticism.courses.gate import _agrees, _share
+from skin_ident.criticism.courses.kinds import CONSTANT, STEPS, Course
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.gates.gate import Gain
+from skin_ident.criticism.noise.whitening import fit_whitener, stack
+from skin_ident.criticism.projection import basis
+from skin_ident.criticism.sessions.session import prepare
 from skin_ident.recordings.load import load
 
 OWN = [
@@ -163,3 +171,43 @@ def test_a_zero_that_jumps_at_about_the_same_time_in_every_session_is_no_drift(t
     assert [(f["cause"], f["where"]) for f in diagnose(recordings[:2], recordings[2:]).findings["findings"]] == [
         ("force_offset", "load_cell")
     ]
+
+
+STEP_OF_ZERO = Course(ZERO, STEPS, (0,), "load_cell")
+
+
+def stepping(depth=DEPTH, size=0.1, spikes=0.0):
+    """A session whose load cell's zero steps half-way, with spikes that telemetry has bridged, and its noise."""
+    r = recorded(PLAIN, depth)
+    force = r.force + size * (T > 20.0)
+    at = np.arange(100, 3900, 130)
+    bad = np.zeros((2, T.size), bool)
+    bad[0, at] = spikes != 0.0
+    force[at] += spikes
+    plain = prepare(recorded(PLAIN, depth, seed=5))
+    return prepare(replace(r, force=force), bad), fit_whitener([residual(PLAIN, plain)], [plain])
+
+
+def test_without_air_a_zero_that_jumps_is_judged_under_load():
+    s, noise = stepping(DEPTH + 1e-3)
+    ground = _ground(PLAIN, [s], noise)
+    run = _run(STEP_OF_ZERO, ground)
+    assert run.score > 100.0 and _shows_in_the_air(run, ground)
+
+
+@pytest.mark.parametrize("spikes", [5.0, 50.0])
+def test_samples_that_are_ruled_out_make_no_zero_faint(spikes):
+    shares = []
+    for size in (0.0, spikes):
+        s, noise = stepping(spikes=size)
+        shares.append(_share(_run(STEP_OF_ZERO, _ground(PLAIN, [s], noise)), PLAIN, [s]))
+    assert shares[1] > 0.9 * shares[0]
+
+
+def test_of_gains_whose_mean_is_the_stiffness_one_fewer_is_charged():
+    sessions = [prepare(recorded(PLAIN, seed=seed)) for seed in (1, 2, 3)]
+    noise = fit_whitener([residual(PLAIN, s) for s in sessions], sessions)
+    some = basis(stack([np.zeros((1, *s.measured.shape)) for s in sessions], sessions, noise))
+    ground = _ground(PLAIN, sessions, noise, some)
+    gains, zeros = (_run(Course(carrier, CONSTANT, (0,), "load_cell"), ground) for carrier in (SLOPE, ZERO))
+    assert gains.charge == pytest.approx(2.0 / 3.0 * zeros.charge)

@@ -9,7 +9,8 @@ from hide_and_seek import seek
 
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual
-from skin_ident.criticism.gates.gate import gain_of_residuals, held_out_gain, refitted
+from skin_ident.criticism.gates.another_skin import changes, of_the_skin
+from skin_ident.criticism.gates.gate import by_block, gain_of_residuals, held_out_gain, refitted
 from skin_ident.criticism.gates.second_opinion import all_in_turn, at_any_scale, halves_in_turn
 from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.search.own import own_course
@@ -193,3 +194,19 @@ def test_a_session_is_as_long_as_it_may_be_believed():
     session = prepare(recorded(PLAIN))
     half = replace(session, weight=session.weight * (np.arange(session.t.size) < session.t.size // 2))
     assert session.seconds == pytest.approx(np.ptp(session.t), rel=0.01) and half.seconds == pytest.approx(session.seconds / 2, rel=0.01)
+
+
+@pytest.mark.parametrize("count", [1, 7, 199, 200, 437, 1999])
+def test_every_sample_is_in_one_block(count):
+    s = prepare(recorded(PLAIN))
+    blocks = by_block(np.ones((2, count)), s)
+    assert blocks.sum(axis=1).tolist() == [count, count] and blocks.min() >= blocks.max() - 1.0
+
+
+def test_another_skin_is_told_in_shares_of_the_shared_one():
+    """Also in a session that has a skin of its own already."""
+    s = replace(prepare(recorded(PLAIN)), skin={"k1": 1.3})
+    more = replace(s, skin={"k1": 1.301})
+    change = (residual(PLAIN, s) - residual(PLAIN, more)) / 1e-3
+    one = next(own for own, u in zip(changes(PLAIN, s), of_the_skin(PLAIN, s), strict=True) if u.label == "k1")
+    assert np.allclose(one, change, atol=1e-3 * np.abs(change).max())

@@ -175,11 +175,11 @@ def _in_the_drive(recordings: list) -> list[Symptom]:
 
 
 def _in_residuals(
-    first: Model, predicted: list[np.ndarray], recordings: list, sessions: list[Session], known: list[Symptom], stepped: bool
+    first: Model, predicted: list[np.ndarray], recordings: list, sessions: list[Session], errors: list[Symptom], stepped: bool
 ) -> list[Symptom]:
-    """Symptoms in the residual of the `first` fit (measured less `predicted`) at full rate, beside what is `known`. Depth may be read in
-    coarse steps (`stepped`). Outliers are bridged before the rest is searched for."""
-    wrong = [bad_samples(r, known) for r in recordings]
+    """Symptoms in the residual of the `first` fit (measured less `predicted`) at full rate, beside the `errors` of the data that are known.
+    Depth may be read in coarse steps (`stepped`). Outliers are bridged before the rest is searched for."""
+    wrong = [bad_samples(r, errors) for r in recordings]
     raw = [np.where(b, m, s.raw) for s, m, b in zip(sessions, predicted, wrong, strict=True)]
     rest = [y - m for y, m in zip(raw, predicted, strict=True)]
     channels, n, dt = sessions[0].channels, sessions[0].n_taxels, recordings[0].dt
@@ -191,9 +191,9 @@ def _in_residuals(
     believed = _beside(raw, recordings, outliers)
     clipped = find_saturation(names, channels, believed, predicted, n, steps)
     clipped += [s for s in find_ceilings(names, channels, believed, predicted, jumps, n) if s.channels not in {c.channels for c in clipped}]
-    known = {(s.cause, c) for s in known for c in s.channels} | {("outliers", c) for s in outliers for c in s.channels}
-    known |= {("saturation", c) for s in (*outliers, *clipped) for c in s.channels}
-    pieces = [s for s in find_pieces(first, sessions, rest) if (s.cause, s.channels[0]) not in known]
+    told = {(s.cause, c) for s in errors for c in s.channels} | {("outliers", c) for s in outliers for c in s.channels}
+    told |= {("saturation", c) for s in (*outliers, *clipped) for c in s.channels}
+    pieces = [s for s in find_pieces(first, sessions, rest) if (s.cause, s.channels[0]) not in told]
     rest = _beside(rest, recordings, [*outliers, *pieces])
     alike = [i for i, r in enumerate(recordings) if abs(r.dt / dt - 1.0) < SAME_RATE]
     lines = find_interference([names[i] for i in alike], channels, [rest[i] for i in alike], [predicted[i] for i in alike], dt, n, stepped)

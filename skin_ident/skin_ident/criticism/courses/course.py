@@ -85,16 +85,16 @@ def _worthwhile(ground: "_Ground", encoder_step: float) -> list[Run]:
 
 
 def _shows_in_the_air(run: Run, g: "_Ground") -> bool:
-    """Whether a zero that jumps also lowers the error in the air. One that only appears under load is no jump of a zero. True for all other
-    courses."""
+    """Whether a zero that jumps also lowers the error in the air, if there is any. One that only appears under load is no jump of a zero.
+    True for all other courses."""
     if not run.course.jumps:
         return True
     (row,), before, after = run.course.rows, 0.0, 0.0
     for s in g.sessions:
         air = s.motion.x <= 0.0 if s.drive is None else drive_rests(s)
-        e, zero = (s.raw - g.plain[s.name])[row, air], run.values[s.name][row, air]
+        e, zero = (s.bridged - g.plain[s.name])[row, air], run.values[s.name][row, air]
         before, after = before + float(e @ e), after + float((e - zero) @ (e - zero))
-    return after < before
+    return after < before or not before
 
 
 def _of_sensors(runs: list[Run], ground: "_Ground") -> list[Run]:
@@ -298,21 +298,23 @@ def _around(moments: np.ndarray, z: np.ndarray, s: Session, span: tuple[float, f
 
 
 def _solve(course: Course, g: _Ground, moments: Moments, exactly: bool = False) -> Solution:
-    """Amplitudes by session, their gain less the charge for each amplitude (twice for steps, whose moment is charged too), and that
+    """Amplitudes by session, their gain less the charge for each free amplitude (twice for steps, whose moment is charged too), and that
     charge."""
-    rows = [_felt(course, g, s, moments[s.name], exactly) for s in g.sessions]
+    rows = [_columns(course, g, s, moments[s.name], exactly) for s in g.sessions]
     normal = Normal.by_blocks([stack([own], [s], g.noise) for own, s in zip(rows, g.sessions, strict=True)], g.left, g.Q)
     steps = course.shape == STEPS
-    z = normal.pursue(MOST_STEPS * len(g.sessions)) if steps else normal.least_squares(_free(course, g, rows))
+    free = _free(course, g, rows)
+    z = normal.pursue(MOST_STEPS * len(g.sessions)) if steps else normal.least_squares(free)
     tare = g.tare(course)
     if tare:
         z = _as_tared(normal, z, tare.leaves)
-    charge = np.log(max(normal.count, 2)) * np.count_nonzero(z) * (2 if steps else 1)
+    numbers = 2 * np.count_nonzero(z) if steps else min(np.count_nonzero(z), np.linalg.matrix_rank(free))
+    charge = np.log(max(normal.count, 2)) * numbers
     split = np.split(z, np.cumsum([len(own) for own in rows])[:-1])
     return dict(zip((s.name for s in g.sessions), split, strict=True)), normal.explained(z) - float(charge), float(charge)
 
 
-def _felt(course: Course, g: _Ground, s: Session, moments: np.ndarray, exactly: bool) -> np.ndarray:
+def _columns(course: Course, g: _Ground, s: Session, moments: np.ndarray, exactly: bool) -> np.ndarray:
     """Change of the channels per unit of every z_k in the common band, (K, C, n) N; zero in all channels but the course's own."""
     if exactly and course.carrier == DEPTH:
         return np.array([s.band.thin(after_jump(g.model, s, g.plain[s.name], m)) for m in moments])

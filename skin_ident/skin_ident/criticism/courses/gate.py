@@ -39,7 +39,7 @@ def _share(run: Run, model: Model, sessions: list[Session]) -> float:
     """RMS of a course over the RMS residual of the model without it, at full rate, in the channels of the course."""
     own = list(run.course.rows)
     size = sum(np.sum(run.values[s.name][own] ** 2) for s in sessions)
-    left = sum(np.sum((s.raw - simulated(model, s))[own] ** 2) for s in sessions)
+    left = sum(np.sum((s.bridged - simulated(model, s))[own] ** 2) for s in sessions)
     return float(np.sqrt(size / max(left, 1e-300)))
 
 

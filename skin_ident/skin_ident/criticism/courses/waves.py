@@ -106,7 +106,8 @@ def _wave(course: Course, simulations: list[np.ndarray], sessions: list[Session]
         return None
     each = [_of_session(course, s, plain, x, low, high) for s, plain, x in zip(sessions, simulations, e, strict=True)]
     z = np.array([amounts for amounts, _, _ in each])
-    over = [np.mean(c[:low] ** 2 / _line(z**2, low)) for c in z]
+    usual = _line(z**2, low)
+    over = [np.mean(c[:low] ** 2 / usual) for c in z]
     values, parts = ({s.name: own[i] for s, own in zip(sessions, each, strict=True)} for i in (1, 2))
     return Wave(course, (float(np.mean(over[:training])), float(np.mean(over[training:]))), values, parts)
 

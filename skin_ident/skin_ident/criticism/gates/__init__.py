@@ -6,5 +6,7 @@
   (`blurred`);
 - it shortens the description of the record by more than noise of another colour would (`description`).
 
+Skin that differs from session to session (`another_skin`) is allowed for in held-out sessions.
+
 A `claim` is the assertion under test: that a model with the cause gains over the model without.
 """

@@ -33,7 +33,7 @@ def of_the_skin(model: Model, s: Session) -> tuple[Unknown, ...]:
 def changes(model: Model, s: Session) -> np.ndarray:
     """What the simulation of a session changes by per unit of each theta, (U, C, n) N in the common band."""
     which = of_the_skin(model, s)
-    shares = values(model, which) / scales(model, which)
+    shares = values(model, which) / scales(model, which) / [s.skin.get(u.label, 1.0) for u in which]
     return tangents(model, [s], which)[0] * shares[:, None, None]
 
 

@@ -103,7 +103,7 @@ def deaf(before: Model, after: Model, train: list[Session], held: list[Session],
     """Whether `held` cannot test a cause: what `after` changes there is too small to pass the gate even if it is true, while it is large in
     `train`. For a sensor's fault only its own channels count."""
     own = [i for i, c in enumerate(train[0].channels) if c in own_channels(where, train[0].channels)]
-    return len(train) > 1 and _felt(before, after, held, own) < HEARD < LOUD < _felt(before, after, train, own)
+    return len(train) > 1 and _loudness_of_change(before, after, held, own) < HEARD < LOUD < _loudness_of_change(before, after, train, own)
 
 
 def own_channels(where: str, channels: tuple[str, ...]) -> tuple[str, ...]:
@@ -113,7 +113,7 @@ def own_channels(where: str, channels: tuple[str, ...]) -> tuple[str, ...]:
     return own.get(where, (where,) if where.startswith("taxel_") else channels)
 
 
-def _felt(before: Model, after: Model, sessions: list[Session], own: list[int]) -> float:
+def _loudness_of_change(before: Model, after: Model, sessions: list[Session], own: list[int]) -> float:
     """Change from `before` to `after` over the residual of `before` (RMS), in that of the channels `own` where this ratio is largest."""
     e = [residual(before, s) for s in sessions]
     left, changed = (
@@ -220,7 +220,8 @@ def _draws(blocks: int) -> np.ndarray:
 
 
 def by_block(rows: np.ndarray, s: Session) -> np.ndarray:
-    """Sums over consecutive blocks of a session along the last axis; a short last block is left out."""
-    size = max(min(int(BLOCK_S / s.band.spacing), rows.shape[-1] // FEWEST_BLOCKS), 1)
-    whole = rows.shape[-1] // size * size
-    return rows[..., :whole].reshape(*rows.shape[:-1], -1, size).sum(axis=-1)
+    """Sums over consecutive blocks of a session along the last axis; the blocks hold equally many samples, but for one."""
+    count = rows.shape[-1]
+    size = max(min(int(BLOCK_S / s.band.spacing), count // FEWEST_BLOCKS), 1)
+    begins = np.linspace(0, count, max(count // size, 1), endpoint=False).astype(int)
+    return np.add.reduceat(rows, begins, axis=-1) if count else rows

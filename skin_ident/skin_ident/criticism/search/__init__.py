@@ -47,8 +47,10 @@ What is taken into the baseline instead of being named:
 
 What sessions do not share:
 
-- `own`: courses as findings, also of held-out sessions alone
+- `own`: courses as findings
 - `partly`: causes that some sessions have and others lack
+- `absent`: causes that held-out sessions lack and fitted ones have
+- `alone`: courses of held-out sessions alone; `only_held`: other things that these alone have
 - `wandering`: a wave that runs through every session
 
 Beside a finished search:

@@ -50,9 +50,9 @@ def own_course(search: Search, run: Run, runs: list[Run], trials: list[Trial]) -
     stood = stands(run, gain, search.present.model, search.train)
     stood = stood and (run.course.slopes or helps(run, search.present.model, after.model, search.train, search.held, search.noise))
     if not (told and stood) or search.steps_do(run.course.key, gain, after.model):
-        search.wandering = max(search.wandering, run.score)
-        slips = run.course.carrier == DELAY
-        if told and score > least and not believed(gain, run.course) and (not slips or gain.ci95[0] > 0.0):
+        predicts, slips = believed(gain, run.course), run.course.carrier == DELAY
+        search.wandering = search.wandering if predicts else max(search.wandering, run.score)
+        if told and score > least and not predicts and (not slips or gain.ci95[0] > 0.0):
             search.doubts[run.course.key] = unproven() if slips else wandering(run)
         return None
     return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)

@@ -78,7 +78,7 @@ def take_partly(search: Search, last: Survey, best: float, runs: list[Run]) -> b
         return False
     least = max(best, search.least(search.present.count))
     ground = _Ground.of(search, last)
-    seen = [s for s in ground.seen() if s.score > PROMISING * least][:MOST]
+    seen = [s for s in ground.seen() if s.score > PROMISING * least and s.key not in search.dropped][:MOST]
     tried = sorted(filter(None, (_tried(search, s) for s in seen)), key=lambda t: -t.score)
     if not tried or reach(tried[0].score) <= least:
         return False

@@ -152,7 +152,7 @@ def between(before: np.ndarray, model: Model, which: tuple[Direction, ...], sess
     return out
 
 
-def _felt(bent: Response, plain: Response, session: Session) -> slice:
+def _changed_channels(bent: Response, plain: Response, session: Session) -> slice:
     """The channels that may have changed: not those whose response is the very same array."""
     if bent.force is plain.force:
         return session.taxel_rows
@@ -168,7 +168,7 @@ def _lay_out(out: np.ndarray, model: Model, which: tuple[Direction, ...], sessio
         if d.key in session.lacks:
             continue
         bent = model.bent(run, at_place(d.probed, session))
-        felt = _felt(bent, run.response, session)
+        felt = _changed_channels(bent, run.response, session)
         session.band.thin_changes(rows(bent, session)[felt] - base[felt], out[i, felt])
         out[i] /= d.amount
     take_shares(out, base, session)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
-from skin_ident.criticism.projection import projected_off
+from skin_ident.criticism.projection import basis, projected_off
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.vocabulary import Key
 
@@ -68,7 +68,7 @@ def project(which: tuple[Direction, ...], A: np.ndarray, J: np.ndarray, r: np.nd
     Only inner products of projected directions are formed, (a - Q Q'a)'(b - Q Q'b) = a'b - (Q'a)'(Q'b): the projected directions themselves
     are never stored.
     """
-    Q, _ = np.linalg.qr(J) if J.size else (np.zeros((r.size, 0)), None)
+    Q = basis(J)
     imitated = Q.T @ A
     r = projected_off(r, Q)
 
