@@ -10,18 +10,20 @@ from world.hidden import Hide
 from skin_ident.criticism.baseline.fitting import Fit
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.noise.whitening import white
-from skin_ident.criticism.search.bounds import HOLLOW, excluded_and_untestable
+from skin_ident.criticism.search.bounds import HOLLOW, _imitated, excluded_and_untestable
 from skin_ident.criticism.search.named import NotNamed
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.ranking import project, rank
 from skin_ident.criticism.search.survey import Survey
 from skin_ident.criticism.telemetry.quantization import no_finer
 from skin_ident.criticism.telling.findings import _not_findings
+from skin_ident.criticism.vocabulary import BY_NAME
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.load import load
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
 from skin_models.effects.backlash import Backlash
+from skin_models.effects.dead_zone import GradualTaxel, TaxelDeadZone
 from skin_models.effects.inertia import Inertia
 from skin_models.effects.lag import Lag
 from skin_models.model import Model
@@ -134,3 +136,14 @@ def test_steps_are_excluded_from_where_their_levels_tell():
         {"cause": c, "where": w, "below": 1e-7} for c, w in (("quantization", "load_cell"), ("quantization", "rig"), ("drift", "load_cell"))
     ]
     assert [e["below"] for e in no_finer(entries, [record])] == pytest.approx([1.25 * 0.07, 1.25e-6, 1e-7])
+
+
+def test_every_form_that_the_model_imitates_is_left_open():
+    """Two forms of a dead zone look like the model itself: both are said, not the last one alone."""
+    forms = [Direction(e("taxel"), "threshold", 1.0, 1) for e in (TaxelDeadZone, GradualTaxel)]
+    other = Direction(Backlash("rig"), "gap", SIZES["backlash"], 1)
+    rng = np.random.default_rng(0)
+    J, free = rng.standard_normal((2, ROWS, 1))
+    p = project((*forms, other), np.hstack([J + 1e-4 * free, J - 1e-4 * free, free]), J, rng.standard_normal(ROWS))
+    said = _imitated(p, BY_NAME["dead_zone"], [{"where": "taxel"}])
+    assert [entry["form"] for entry in said] == ["", "gradual"]

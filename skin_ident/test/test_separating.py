@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+import yaml
 from rows import rows
 
 from skin_ident.criticism.baseline.fitting import fit
@@ -17,15 +18,18 @@ from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.rivals import REACH, Rival
 from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.sessions.session import prepare
+from skin_ident.criticism.vocabulary import BY_NAME
 from skin_ident.hiding.simulated_rig import SimulatedRig, varied
 from skin_ident.recordings.mass import known_mass
+from skin_ident.separating.by_hand import MORE_THAN_A_MOTION, shown_by_hand
 from skin_ident.separating.candidates import candidates
-from skin_ident.separating.choose import Experiment, as_criticised, separating_experiment
+from skin_ident.separating.choose import Experiment, _Option, _text, as_criticised, separating_experiment
 from skin_ident.separating.contest import Contest
 from skin_ident.separating.unrecorded import holds, unrecorded
 from skin_models.catalogue import effect_class
 from skin_models.materials import material
 from skin_models.model import Model
+from skin_motion_profiles.picture import motions_of
 from skin_motion_profiles.profile_file import entry_from_text, entry_from_words
 
 AIR = "{type: free_air, duration_s: 1}"
@@ -119,8 +123,17 @@ def test_the_battery_is_one_that_the_server_reads(tmp_path):
     (tmp_path / "separating.yaml").write_text(found.text)
     battery = entry_from_words(str(tmp_path / "separating.yaml"))
     assert battery.kind == "battery" and battery.about == found.name
+    assert found.seconds == pytest.approx(sum(m.trajectory.duration for m in motions_of(battery, 0.0)))  # as `plot` shows
     sentence = found.sentence("separating.yaml")
     assert sentence.startswith("record separating.yaml (") and "tell lag from time shift" in sentence and "e+" not in sentence
+
+
+def test_of_two_motions_in_one_session_the_second_needs_no_wait_of_its_own():
+    stair, ramps = (next(k for k in candidates(1e-3, 0.01) if word in k.name) for word in ("stair", "random ramps"))
+    content = yaml.safe_load(_text(_Option((stair, ramps, ramps), None)))
+    kinds = [p["type"] for p in content["profiles"]]
+    assert kinds == ["free_air", "ramp_list", "free_air", "random_ramps", "free_air", "random_ramps", "free_air"]
+    assert content["about"] == "a stair of holds down and up and random ramps at 2 mm/s at most, 2 times"
 
 
 def test_what_an_experiment_decides_is_said_in_words_and_its_numbers_are_for_programs():
@@ -166,3 +179,14 @@ def test_where_no_motion_helps_none_is_proposed():
     none = Experiment("", "", 0.0, 2.0, 1.0, ("lag", "time shift"), (("lag", "time shift"),), apart=False)
     assert none.sentence("") == "no motion that was tried in simulation tells them apart clearly better than what was recorded"
     assert "another skin" in replace(none, apart=True).sentence("")
+
+
+def test_for_what_no_motion_tells_apart_the_test_is_said_that_is_more_than_a_motion():
+    causes = ("nonlinear_stiffness", "mount_compliance", "hysteresis", "mount_compliance")
+    (test,) = shown_by_hand(causes)
+    assert test.startswith("a press on a rigid target")
+    left = Experiment("sine", "", 20.0, 4e3, 0.1, ("a", "b", "c"), (("a", "b"),), hopeless=True, by_hand=(test,))
+    said = left.sentence("a.yaml")
+    assert said.endswith(f"no motion that was tried in simulation tells a from b; what would tell them apart: {test}")
+    assert replace(left, name="").sentence("").endswith(f"what was recorded; what would tell them apart: {test}")
+    assert set(MORE_THAN_A_MOTION) <= set(BY_NAME)

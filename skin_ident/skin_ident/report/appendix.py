@@ -2,19 +2,26 @@
 
 from collections.abc import Iterator
 
-from skin_ident.criticism.vocabulary import spoken
+from skin_ident.criticism.vocabulary import BY_NAME, spoken
 from skin_ident.report.bars import parameter_table
 from skin_ident.report.markup import Safe, el, join, section, table
 from skin_ident.report.numbers import amount, finite, percent
 from skin_ident.report.reading import recording_name, warning_sentences
+from skin_ident.report.ruled_out import bound, strongly, weakly
 from skin_ident.report.tolerant import mapping, named_at, place_in, sequence, text, with_spoken_taxels
 from skin_ident.report.view import View
-from skin_ident.report.words import capital, effect_words, label, meaning, role, sentence, undivided
+from skin_ident.report.words import capital, meaning, role, sentence, undivided
 
 SPREAD = "Standard errors contain noise only. They do not contain errors of the form of the model, which every model of a real skin has."
+TWO_SIZES = "A second size holds for those values of the cause's other parameters that would show most."
+ONLY_WEAKLY = "Ruled out only weakly"
+WEAK_HEAD = ["cause", "smaller than", "would need"]
+WEAK_NOTE = (
+    "These were not found, either, but as much as the size given may be there without having shown, and that is more than a quarter of "
+    f"the skin's stiffness, of the largest force, of the greatest depth or of the whole signal. {TWO_SIZES}"
+)
 MOST_ROWS = 15  # a longer table is folded
 ELSEWHERE = ("by_itself", "rmse", "stands_out")  # entries of a recording that `sessions` shows
-FORMS = {"step": "a step within a session"}  # words for forms whose names do not explain themselves
 GIVEN = {False: "that was given", True: "that was recorded as a twin"}  # key: whether the given simulation is a twin
 GIVEN_NUMBERS = {False: "were given", True: "are those of a model fitted to the recorded twin"}  # likewise
 
@@ -52,10 +59,23 @@ def excluded(v: View) -> Safe | None:
     """The section of causes that were tested and not found, with the upper bound of each."""
     if not v.excluded:
         return None
-    rows = [[_name(e), size_ruled_out(e, v), sentence(meaning(text(e.get("cause"))))] for e in v.excluded]
+    strong, weak = strongly(v), weakly(v)
+    rows = [[_name(e), size_ruled_out(e, v), sentence(meaning(text(e.get("cause"))))] for e in strong]
     note = "These were tested and not found. If one of them were present and larger than the size given, these data would have shown it."
+    note += f" {TWO_SIZES}"
     body = table(["cause", "smaller than", "what it would mean"], rows, class_="plain")
-    return section("excluded", "Ruled out", el("p", note, class_="note"), _folded(body, v.excluded))
+    return section(
+        "excluded",
+        "Ruled out",
+        [el("p", note, class_="note"), _folded(body, strong)] if strong else None,
+        [el("h3", ONLY_WEAKLY), el("p", WEAK_NOTE, class_="note"), table(WEAK_HEAD, weak_rows(v), class_="plain")] if weak else None,
+    )
+
+
+def weak_rows(v: View) -> list[list[str]]:
+    """Rows of (cause, size below which it may be there unseen, what would show less of it)."""
+    needs = {e["cause"]: BY_NAME[e["cause"]].needs for e in weakly(v) if e.get("cause") in BY_NAME}
+    return [[_name(e), size_ruled_out(e, v), sentence(needs.get(e.get("cause"), ""))] for e in weakly(v)]
 
 
 def _also(e: dict, others: tuple[dict, ...]) -> list[dict]:
@@ -70,7 +90,7 @@ def _also(e: dict, others: tuple[dict, ...]) -> list[dict]:
 def size_ruled_out(e: dict, v: View) -> str:
     """The upper bound of an excluded cause, in words, and whether part of the cause could not be tested."""
     limit = f"; limited by {text(e['limited_by'])}" if e.get("limited_by") else ""
-    ruled_out = undivided(bound(e)) if v.alone else bound(e)
+    ruled_out = undivided(bound(e, v)) if v.alone else bound(e, v)
     return ruled_out + limit + ("; only in part, see what could not be tested" if _also(e, v.untestable) else "")
 
 
@@ -92,20 +112,6 @@ def untestable_rows(v: View) -> Iterator[tuple[str, str, str]]:
     for (_, why, needs), (*others, last) in rows.items():
         names = [spoken(text(e.get("cause"))) for e in others]
         yield f"{', '.join(names)}{' and ' if names else ''}{named_at(last)}", why, needs
-
-
-def bound(e: dict) -> str:
-    """The upper bound of an excluded cause, in words, or why there is none."""
-    if finite(e.get("below")) is None:
-        return text(e.get("because")) or "not seen"
-    cause, where, name = text(e.get("cause")), place_in(e), text(e.get("parameter"))
-    at = {k: mapping(q) for k, q in mapping(e.get("at")).items()}
-    labels = effect_words(cause, where, (name, *at), (text(e.get("form")),))
-    words = labels.get(name) or label(name)
-    shape = ", ".join(f"{labels.get(k) or label(k)} {amount(q.get('value'), text(q.get('unit')))}" for k, q in at.items())
-    form = f" ({FORMS.get(text(e['form']), spoken(text(e['form'])))})" if e.get("form") else ""
-    size = amount(e.get("below"), text(e.get("unit"))) + form
-    return size + (f" – {words}{', at ' + shape if shape else ''}" if words else "")
 
 
 def _folded(body: Safe, entries: tuple[dict, ...]) -> Safe:
@@ -193,6 +199,7 @@ def reading(v: View, folder: str) -> Safe:
             "cannot fall by more than its value before; of an interval that reaches beyond that value, only the lower end is given",
         ),
         ("noise alone", "the error that would remain with a perfect model, because sensors are noisy"),
+        ("at the end of its range", "the fit would have gone further; such a number, and the sizes beside it, cannot be taken literally"),
         ("ruled out", "tested and not found; would have been seen above the size given"),
         ("could not be tested", "for the reason given: the motion does not excite it, it is not declared, or it looks like another cause"),
         ("where", "skin: the material; taxel: a sensor in it; load cell: the reference; rig: mount and stage; clock: timing of a channel"),

@@ -158,7 +158,7 @@ def _against(quantity, pair, found, label: str, factor: float, v: View, unit: st
     if not parts:
         return None
     scaled, printed = scale(v.loudest or max(float(np.nanmax(np.abs(np.r_[b.low, b.high]))) for b, _, _ in parts), unit)
-    lines = [Line(factor * b.centre, scaled * b.median, kind, name) for b, kind, name in parts]
+    lines = [Line(factor * x, scaled * y, kind, name) for b, kind, name in parts for x, y in [_over(b, b.median)]]
     bands = [_band(b, factor, scaled, kind) for b, kind, _ in parts] if not split else []
     y = axis([line.y for line in [*bands, *lines]], f"measured − simulated, {printed}", zero=True)
     x = axis([line.x[np.isfinite(line.y)] for line in lines], label)
@@ -166,10 +166,26 @@ def _against(quantity, pair, found, label: str, factor: float, v: View, unit: st
     return plot([*bands, *lines], x, y, "square", title)
 
 
+def _over(b: Binned, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The curve of `y` (B,) over the bins that are known, from edge to edge of every stretch of them; NaN between stretches. So a bin
+    between unknown ones is a short line, and a line and its band cover the same bins."""
+    half, points = 0.5 * (b.centre[1] - b.centre[0]), []
+    for start, stop in zip(*runs(np.isfinite(b.median)), strict=True):
+        x, of = b.centre[start:stop], y[start:stop]
+        points.append([np.r_[x[0] - half, x, x[-1] + half, np.nan], np.r_[of[0], of, of[-1], np.nan]])
+    x, y = np.concatenate(points, axis=1)
+    return x, y
+
+
 def _band(b: Binned, factor: float, scaled: float, kind: str) -> Line:
-    known = np.isfinite(b.median)
-    x, low, high = factor * b.centre[known], scaled * b.low[known], scaled * b.high[known]
-    return Line(np.concatenate([x, x[::-1]]), np.concatenate([low, high[::-1]]), f"{kind} band", "")
+    """The middle 80 % of the samples, a closed piece for every stretch of known bins."""
+    (x, low), (_, high) = _over(b, b.low), _over(b, b.high)
+    pieces = []
+    for start, stop in zip(*runs(np.isfinite(x)), strict=True):
+        there, back = np.r_[start:stop], np.r_[start:stop][::-1]
+        pieces.append([np.r_[x[there], x[back], np.nan], np.r_[low[there], high[back], np.nan]])
+    across, down = np.concatenate(pieces, axis=1)
+    return Line(factor * across, scaled * down, f"{kind} band", "")
 
 
 def against_frequency(trace: Trace, row: int, v: View) -> Safe | None:

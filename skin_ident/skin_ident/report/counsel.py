@@ -2,11 +2,12 @@
 
 from collections.abc import Iterator
 
-from skin_ident.criticism.vocabulary import cause_at
+from skin_ident.criticism.vocabulary import BY_NAME, cause_at
 from skin_ident.report.numbers import percent
+from skin_ident.report.ruled_out import weakly
 from skin_ident.report.tolerant import named_at, text
 from skin_ident.report.view import EXPLAINED, HELD_OUT, IN_TURN, NOTHING, PARTLY, STRETCHES, UNEXPLAINED, UNTESTED, Finding, View
-from skin_ident.report.words import Rebuild, advice, capital, either, rebuild, sentence
+from skin_ident.report.words import Rebuild, advice, capital, either, hardware, rebuild, sentence
 from skin_models.words import counted
 
 TESTED = {
@@ -17,7 +18,7 @@ TESTED = {
 }
 NOT_PROVEN, NEITHER = "Not proven", "Sure neither of the gain nor of the name"
 MOST_ADVICE = 4  # pieces of advice on the first screen
-GAIN = "gain_error"
+GAIN, LOAD_CELL = "gain_error", "the load cell"
 LATER, BY_HAND = "not before the next experiment", "not before a check by hand"
 
 
@@ -34,6 +35,8 @@ def sure(v: View) -> tuple[str, tuple[str, ...]]:
         because.append(f"Of the mean square of the remaining error, {percent(v.rest)} still follows a pattern: it is not only noise.")
     if untested := {text(e.get("cause")) for e in v.untestable if e not in (*v.doubts, *v.left_open)}:
         because.append(f"{counted(len(untested), 'cause')} could not be tested with these data.")
+    if weak := {text(e.get("cause")) for e in weakly(v)}:
+        because.append(f"{counted(len(weak), 'cause')} could be ruled out only weakly.")
     return _grade(v, rivals > 0), tuple(because)
 
 
@@ -103,7 +106,13 @@ def rebuild_answer(v: View) -> tuple[str, str]:
         for a in answers:
             if a.answer == grave:
                 return capital(grave), a.because
-    return "No", "; ".join(dict.fromkeys(a.because for a in answers)) + _but_a_gain(v)
+    return _no(answers), "; ".join(dict.fromkeys(a.because for a in answers)) + _but_a_gain(v)
+
+
+def _no(answers: list[Rebuild]) -> str:
+    """The "no" of several findings, with the hardware besides the taxels that may be at fault instead."""
+    but = list(dict.fromkeys(b for a in answers for b in a.but))
+    return f"No {'taxel' if LOAD_CELL in but else 'sensor'}, but perhaps {either(but)}" if but else "No"
 
 
 def _but_a_gain(v: View) -> str:
@@ -119,14 +128,24 @@ def _of_all_names(f: Finding) -> Rebuild:
     if len(reasons) == 1:
         return each[0]
     if answers == {"no"} and not any(where.startswith("taxel") for _, where in f.names):
-        return Rebuild("no", "none of the names that are left is a fault of a taxel")
+        return _no_taxel(f, "none of the names that are left is a fault of a taxel")
     if answers == {"no"}:
-        return Rebuild("no", "none of the names that are left requires a new taxel; at most its calibration, zero or wiring is wrong")
+        return _no_taxel(f, "none of the names that are left requires a new taxel; at most its calibration, zero or wiring is wrong")
     if answers <= {"yes", "perhaps"}:
         return Rebuild("perhaps", "every name that is left is a fault of a sensor, but not every one requires a new sensor")
     if answers == {"no", "cannot say"}:
         return Rebuild(later, "one of the names that are left is a wrong record, which says nothing about a sensor")
     return Rebuild(later, "of the names that are left, one is a fault of a sensor, and another does not concern a sensor")
+
+
+def _no_taxel(f: Finding, because: str) -> Rebuild:
+    """The "no" of a finding of which no name requires a new taxel, with how to check the other hardware that its names concern."""
+    needs: dict[str, list[str]] = {}
+    for cause, where in f.names:
+        if (part := hardware(cause, where)) and cause in BY_NAME:
+            needs.setdefault(part, []).append(BY_NAME[cause].needs)
+    checks = [f"to check {part}: {'; and '.join(dict.fromkeys(each))}" for part, each in needs.items()]
+    return Rebuild("no", ". ".join([because, *map(capital, checks)]), tuple(needs))
 
 
 def next_steps(v: View, folder: str = "") -> Iterator[str]:

@@ -10,6 +10,7 @@ from skin_ident.report.view import IN_TURN, PARTLY, UNEXPLAINED, ChannelError, V
 from skin_ident.report.words import capital, signal
 
 ALIKE = 1.02  # times the noise floor: an error up to this is shown as equal to the noise
+QUIETER = 0.995  # times the noise floor: an error below this is printed as smaller than the noise
 ANY_SCALE = "at any scale"  # ends the `held_out` text of findings that were judged with a scale fitted to each session
 LEAST = 0.05  # smallest relative fall of a channel's error that is reported
 
@@ -30,7 +31,8 @@ def better(v: View) -> Figure:
     if not told:
         return Figure("Not measured", "", () if v.errors else ("No simulation was compared with these data.",))
     alive = [e for e in told if e.channel not in v.silent]
-    if v.findings and not v.judged and any(fall(e) > LEAST and e.interval and e.interval[0] > 0.0 for e in alive):
+    named = any(f.carried for f in v.findings)  # else what falls is due to zeros that each session was allowed, and no gain
+    if named and not v.judged and any(fall(e) > LEAST and e.interval and e.interval[0] > 0.0 for e in alive):
         return _gain(max(alive, key=fall), v)
     if not v.judged:
         return _no_gain(v, told)
@@ -67,10 +69,10 @@ def error(x: float | None, e: ChannelError, v: View) -> str:
 
 
 def allowed(v: View) -> str:
-    """Where nothing is named: which freedom the simulation was allowed that is no fault (such as zeros of each session), and what its error
-    would be without it. No gain is claimed for it. Empty where it hardly changes the error."""
+    """Where nothing named is in the model: which freedom the simulation was allowed that is no fault (such as zeros of each session), and
+    what its error would be without it. No gain is claimed for it. Empty where it hardly changes the error."""
     changed = [e for e in v.errors if None not in e.pair and fall(e) > LEAST and e.channel not in v.silent]
-    if v.findings or not changed:
+    if any(f.carried for f in v.findings) or not changed:
         return ""
     own = f"each session has its own {' and '.join(v.own_zeros)}, of a size that good hardware and a tare leave"
     had = own if v.own_zeros else "what is fitted is not a fault, see the warnings"
@@ -90,6 +92,13 @@ def _floor(e: ChannelError, v: View) -> str:
     if e.floor is not None and e.pair[1] is not None and e.pair[1] <= ALIKE * e.floor:
         return " That is no more than noise."
     return "" if e.floor is None else f" Noise alone leaves {error(e.floor, e, v)}."
+
+
+def quieter(v: View) -> str:
+    """A sentence for the errors by channel, where one of them is below the noise floor: the floor may be of another session."""
+    if not any(e.floor and e.pair[1] is not None and e.pair[1] < QUIETER * e.floor for e in v.errors):
+        return ""
+    return "Noise alone was measured in one session; others may be a little quieter, so an error can be slightly smaller than it."
 
 
 def _gain(e: ChannelError, v: View) -> Figure:

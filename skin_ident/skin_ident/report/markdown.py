@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator
 
-from skin_ident.report.appendix import SPREAD, held_at, size_ruled_out, untestable_rows
-from skin_ident.report.gains import error, fall
+from skin_ident.report.appendix import ONLY_WEAKLY, SPREAD, WEAK_HEAD, WEAK_NOTE, held_at, size_ruled_out, untestable_rows, weak_rows
+from skin_ident.report.gains import error, fall, quieter
 from skin_ident.report.numbers import UNKNOWN, change
 from skin_ident.report.reading import recording_name, warning_sentences
+from skin_ident.report.ruled_out import strongly
 from skin_ident.report.sessions import by_session, in_markdown
 from skin_ident.report.sizes import number
 from skin_ident.report.story import Told, Wrong
@@ -37,7 +38,7 @@ def markdown(all_: Told, pictures: tuple[str, ...] = ()) -> str:
         _errors(v),
         *_sessions(v),
         _parameters(v),
-        _excluded(v),
+        *_excluded(v),
         _untestable(v),
         [f"![{name.partition('.')[0].replace('_', ' ')}]({name})" for name in pictures[1:]],
         _recordings(v),
@@ -58,11 +59,12 @@ def _rows(title: str, head: list[str], rows: list[list[str]]) -> list[str]:
 
 
 def _errors(v: View) -> list[str]:
+    note = ["", said] if (said := quieter(v)) else []
     if not v.findings:
         rows = [[channel(e.channel), error(e.pair[1], e, v), error(e.floor, e, v)] for e in v.errors]
-        return _rows("Error of every channel", ["channel", "error", "noise alone"], rows)
+        return _rows("Error of every channel", ["channel", "error", "noise alone"], rows) + note
     rows = [[channel(e.channel), *(error(x, e, v) for x in e.pair), change(-fall(e)), error(e.floor, e, v)] for e in v.errors]
-    return _rows("Error of every channel", ["channel", "before", "after", "change", "noise alone"], rows)
+    return _rows("Error of every channel", ["channel", "before", "after", "change", "noise alone"], rows) + note
 
 
 def _sessions(v: View) -> Iterator[list[str]]:
@@ -85,9 +87,10 @@ def _parameters(v: View) -> list[str]:
     return [*table, *(line for said in (SPREAD, *held_at(v)) for line in ("", sentence(said)))] if table else []
 
 
-def _excluded(v: View) -> list[str]:
-    rows = [[named_at(e), size_ruled_out(e, v)] for e in v.excluded]
-    return _rows("Ruled out", ["cause", "smaller than"], rows)
+def _excluded(v: View) -> Iterator[list[str]]:
+    yield _rows("Ruled out", ["cause", "smaller than"], [[named_at(e), size_ruled_out(e, v)] for e in strongly(v)])
+    weak = _rows(ONLY_WEAKLY, WEAK_HEAD, weak_rows(v))
+    yield [*weak, "", WEAK_NOTE] if weak else []
 
 
 def _untestable(v: View) -> list[str]:

@@ -73,10 +73,10 @@ def _first_screen(told: Story, picture: Safe | None) -> list[Safe]:
     answers = [
         el("div", el("h2", "What is wrong"), _list(told.wrong), class_="wrong"),
         el("div", el("h2", "Why we think so"), el("ul", [el("li", s) for s in told.why]), class_="why") if told.why else None,
-        el("div", el("h2", "What to do next"), el("ol", [el("li", s) for s in told.next]), class_="next") if told.next else None,
     ]
+    next_ = el("div", el("h2", "What to do next"), el("ol", [el("li", s) for s in told.next]), class_="next") if told.next else None
     below = el("div", el("div", answers, class_="answers"), picture, class_="first")
-    return [banner, el("div", el("div", tiles, class_="tiles"), below, class_="screen")]
+    return [banner, el("div", el("div", tiles, class_="tiles"), next_, below, class_="screen")]
 
 
 def _tile(kind: str, title: str, answer: str, caption: str, said: tuple[str, ...]) -> Safe:

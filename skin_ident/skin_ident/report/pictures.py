@@ -5,12 +5,13 @@ from collections.abc import Callable
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from skin_ident.criticism.telling.outcome import Outcome, ScanTrace, Trace
 from skin_ident.criticism.vocabulary import cause_at
 from skin_ident.report.charts import below_band, goes_beyond, left_in_band, shown_range, simulations
 from skin_ident.report.focus import Focus
-from skin_ident.report.numbers import scale
+from skin_ident.report.numbers import plain, scale
 from skin_ident.report.shapes import residuals, spectrum, thinned
 from skin_ident.report.story import Told, explaining, named_cause
 from skin_ident.report.view import View, unit_of
@@ -123,7 +124,7 @@ def _left(seen: Focus, v: View) -> Figure:
     moving = [
         (q, label) for q, label in ((trace.depth, "depth, mm"), (trace.speed, "speed, mm/s")) if q is not None and np.isfinite(q).any()
     ]
-    figure = Figure(figsize=(4.2 * (len(moving) + 1), 3.6), dpi=110, layout="constrained")
+    figure = Figure(figsize=(4.2 * (len(moving) + 1), 3.9), dpi=110, layout="constrained")
     axes = figure.subplots(1, len(moving) + 1, squeeze=False)[0]
     small, name = _small(seen, unit, v)
     every = max(1, trace.t.size // 6000)
@@ -134,11 +135,12 @@ def _left(seen: Focus, v: View) -> Figure:
             ax.plot(1e3 * quantity[told][::every], small * left[told][::every], ".", ms=1.5, alpha=0.5, color=COLOURS[kind])
         if trace.t.size >= 64:
             f, density = spectrum(trace.t, left)
-            axes[-1].loglog(f, small * density, color=COLOURS[kind], lw=1.3, label=label.removeprefix("simulated ") or label)
+            axes[-1].loglog(f, small * density, color=COLOURS[kind], lw=1.3)
+        axes[0].plot([], [], color=COLOURS[kind], lw=2.0, label=label.replace("simulated", "what is left").strip())
     for ax, (_, label) in zip(axes, moving, strict=False):
         ax.set(xlabel=label, ylabel=f"measured − simulated, {name}")
     axes[-1].set(xlabel="frequency, Hz", ylabel=f"measured − simulated, {name}/√Hz")
-    axes[-1].legend(fontsize=8)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False, fontsize=9)
     for ax in axes:
         _tidy(ax)
     figure.suptitle(f"What is left in {channel(seen.channel)}", fontsize=11)
@@ -167,19 +169,23 @@ def _scan(scan: ScanTrace, title: str) -> Figure:
 
 
 def _evidence(outcome: Outcome) -> Figure:
-    """The ranking of every round in which some cause explains something, the named cause in blue."""
+    """The ranking of every round in which some cause explains something, each to its own scale, the named cause in blue."""
     rounds = [(i, r.named, best) for i, r in enumerate(outcome.rounds, 1) if (best := explaining(r, MOST_RANKED))][:MOST_ROUNDS]
     heights = [len(best) + 2 for _, _, best in rounds]
-    figure = Figure(figsize=(8.5, 0.3 + 0.25 * sum(heights)), dpi=110, layout="constrained")
-    axes = figure.subplots(len(rounds), 1, squeeze=False, sharex=True, gridspec_kw={"height_ratios": heights})[:, 0]
+    figure = Figure(figsize=(8.5, 0.6 + 0.35 * len(rounds) + 0.25 * sum(heights)), dpi=110, layout="constrained")
+    axes = figure.subplots(len(rounds), 1, squeeze=False, gridspec_kw={"height_ratios": heights})[:, 0]
     for ax, (number, named, best) in zip(axes, rounds, strict=True):
         chosen = next((i for i, (cause, _, _) in enumerate(best) if named and cause == named_cause(named)), None)
         colours = [COLOURS["after" if i == chosen else "measured"] for i in range(len(best))]
         labels = [short(capital(cause_at(c, w))) for c, w, _ in best]
-        ax.barh(range(len(best)), [g for _, _, g in best], color=colours, height=0.7)
+        bars = ax.barh(range(len(best)), [g for _, _, g in best], color=colours, height=0.7)
+        ax.bar_label(bars, [plain(g) for _, _, g in best], padding=3, fontsize=8)
         ax.set_yticks(range(len(best)), labels, fontsize=8)
         ax.invert_yaxis()
         ax.set_title(f"round {number}: what each cause alone would explain, as estimated when it began", fontsize=9, loc="left")
         ax.tick_params(labelsize=8)
+        ax.xaxis.set_major_locator(MaxNLocator(6))
         _tidy(ax)
+        ax.margins(x=0.1)  # for the numbers at the bars
+    axes[-1].set_xlabel("fall of the squared error, in units of the variance of the noise (each round to its own scale)", fontsize=8)
     return figure

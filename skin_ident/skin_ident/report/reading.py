@@ -1,5 +1,7 @@
 """Reads findings.json into a `View`, tolerating entries that an older or newer version left out or added."""
 
+import math
+from dataclasses import replace
 from typing import Any
 
 from skin_ident.criticism.above import above_noise
@@ -10,7 +12,9 @@ from skin_ident.report.numbers import finite, percent
 from skin_ident.report.tolerant import mapping, place_in, sequence, text
 from skin_ident.report.view import Amount, ChannelError, Finding, Gain, View
 from skin_ident.report.words import advice, declared, effect_words, label, meaning, sentence, undivided
+from skin_models.parameter import Parameter
 
+NEAR_END = 0.02  # a parameter this near (relatively) to an end of its allowed range lies at it
 LONE = "taxel_alone"  # the place of a lone taxel, in words.PLACES
 PLACED = ("findings", "excluded", "untestable")  # entries of findings.json that hold places
 TOLD_ELSEWHERE = ("cause", "where", "channel_clock", "explains_less_by", "short_by", "parameters", "forms")  # of an alternative
@@ -108,7 +112,12 @@ def _model_amounts(entries: Any, alone: bool) -> tuple[Amount, ...]:
         for (cause, where), names in parts.items()
         for short in names
     }
-    return tuple(_amount(name, entry, _said(words, name, alone)) for name, entry in entries.items())
+    known = {
+        f"{cause}.{where}.{short}": p
+        for (cause, where), names in parts.items()
+        for short, p in declared(cause, where, tuple(names)).items()
+    }
+    return tuple(_in_range(_amount(name, entry, _said(words, name, alone)), known.get(name)) for name, entry in entries.items())
 
 
 def _felt(entries: dict[str, Any], alone: bool) -> dict[str, Any]:
@@ -122,9 +131,9 @@ def _said(words: dict[str, str], name: str, alone: bool) -> str:
     return undivided(said) if alone else said
 
 
-def _amount(name: str, entry: Any, words: str, none: float = 0.0) -> Amount:
+def _amount(name: str, entry: Any, words: str) -> Amount:
     entry = entry if isinstance(entry, dict) else {"value": entry}
-    return Amount(name, words, finite(entry.get("value")), text(entry.get("unit")), finite(entry.get("std")), none)
+    return Amount(name, words, finite(entry.get("value")), text(entry.get("unit")), finite(entry.get("std")))
 
 
 def _held(name: str, entry: dict[str, Any]) -> tuple[Amount, str]:
@@ -161,8 +170,15 @@ def _amounts(cause: str, where: str, entry: dict[str, Any], alone: bool) -> tupl
     forms = sequence(mapping(entry.get("evidence")).get("forms")) or sequence(entry.get("forms"))
     of = cause, where, tuple(sizes), tuple(map(text, forms))
     words, known = effect_words(*of), declared(*of)
-    none = {name: p.neutral for name, p in known.items()}
-    return tuple(_amount(name, size, _said(words, name, alone), none.get(name, 0.0)) for name, size in sizes.items())
+    return tuple(_in_range(_amount(name, size, _said(words, name, alone)), known.get(name)) for name, size in sizes.items())
+
+
+def _in_range(a: Amount, p: Parameter | None) -> Amount:
+    """The amount, with its neutral value and whether it lies at the end of its range, where its parameter is declared."""
+    if p is None or a.value is None:
+        return a
+    ends = [end for end in (p.lower, p.upper) if math.isfinite(end) and end not in (0.0, p.neutral)]
+    return replace(a, none=p.neutral, at_end=any(abs(a.value - end) <= NEAR_END * abs(end) for end in ends))
 
 
 def _bent(name: str, entry: dict[str, Any]) -> tuple[Amount, Amount]:
@@ -226,7 +242,4 @@ def _error(channel: str, before: dict, after: dict, floor: Any, gain: dict) -> C
         pairs[1] = (finite(gain.get("held_out_rmse_before")), finite(gain.get("held_out_rmse_after")))
     low, high = _interval(gain)
     interval = None if low is None or high is None or low == high == 0.0 else (low, high)
-    floor = finite(floor)
-    left = pairs[1][1] if pairs[1][1] is not None else pairs[0][1]
-    floor = floor if floor is None or left is None else min(floor, left)  # the floor may be of another session, which was noisier
-    return ChannelError(channel, text(before.get("unit") or after.get("unit")) or "N", *pairs, floor, interval)
+    return ChannelError(channel, text(before.get("unit") or after.get("unit")) or "N", *pairs, finite(floor), interval)

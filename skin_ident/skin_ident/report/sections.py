@@ -7,7 +7,7 @@ from skin_ident.report.bars import error_table
 from skin_ident.report.charts import against_frequency, against_motion, below_band, key, key_left, overlay, scan_left, scan_panels
 from skin_ident.report.counsel import TESTED
 from skin_ident.report.focus import Focus, by_fall
-from skin_ident.report.gains import at_any_scale
+from skin_ident.report.gains import at_any_scale, quieter
 from skin_ident.report.markup import Safe, el, section
 from skin_ident.report.numbers import plain
 from skin_ident.report.view import IN_TURN, UNTESTED, View
@@ -39,7 +39,9 @@ def _error_note(v: View) -> str:
     error = f"Typical error (root mean square of measured minus simulated{below_band(v)}) on {where}."
     scaled = any(at_any_scale(e, v) for e in v.errors)
     turn += " Causes were judged with a scale factor fitted to each session; those errors are on the cards below." if scaled else ""
-    return f"{error} The mark on the bars is the error that noise alone leaves; no model can do better.{turn}"
+    mark = "The mark on the bars is the error that noise alone leaves"
+    least = f"{mark}. {beyond}" if (beyond := quieter(v)) else f"{mark}; no model can do better."
+    return f"{error} {least}{turn}"
 
 
 def _told_on_cards(v: View) -> bool:

@@ -95,7 +95,8 @@ def _numbers(kind: str, channel: str, names: tuple[str, ...], told: dict[str, di
 
 def _own(kind: str, channel: str, names: tuple[str, ...], told: dict[str, dict], odd: dict[str, frozenset[str]]) -> Column:
     numbers = _numbers(kind, channel, names, told)
-    like, unit = [value for value, _, _ in numbers.values()], next(iter(numbers.values()))[2]
+    like = [value for c in _of(kind, names, told) for value, _, _ in _numbers(kind, c, names, told).values()]  # one unit for all channels
+    unit = next(iter(numbers.values()))[2]
     cells = {n: bare(value, unit, std, like) for n, (value, std, _) in numbers.items()}
     return Column(_head(kind, channel, scale(like, unit)[1]), cells, frozenset(n for n in names if f"{kind}.{channel}" in odd[n]))
 

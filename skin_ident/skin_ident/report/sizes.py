@@ -9,6 +9,7 @@ from skin_ident.report.view import Amount, Finding, View
 MOST_AMOUNTS = 4  # parameters of a finding that are listed
 LEAST = 2.0  # standard errors by which a parameter must differ from its neutral value to be listed
 BRIEFLY = 2  # parameters that are listed where many findings share the first screen
+AT_END = "at the end of its range"
 GIVEN, MEASURED = 4, 3  # digits of a number without a standard error: of a given one, of a fitted one
 
 
@@ -17,7 +18,11 @@ def sizes(f: Finding, v: View, most: int = MOST_AMOUNTS, brief: bool = False) ->
     from their neutral value are left out. With `brief` only the first BRIEFLY are listed, without the note that there are more."""
     said = put_right(v) if f.cause == "parameters" and v.given else _silent(f)
     told = [a for a in f.amounts if _tells(a)] or f.amounts
-    said = said or [f"{a.words} {amount(a.value, a.unit, a.std)}" for a in told if a.value] or _of_each_session(f)
+    if not said and (told := [a for a in told if a.value]):
+        shown = _shown(told, BRIEFLY if brief else most)
+        said, hidden = [_with_end(f"{a.words} {amount(a.value, a.unit, a.std)}", a) for a in shown], len(told) - len(shown)
+        return said + ([f"and {hidden} more"] if hidden and not brief else [])
+    said = said or _of_each_session(f)
     more = [] if brief or len(said) <= most else [f"and {len(said) - most} more"]
     return said[: BRIEFLY if brief else most] + more
 
@@ -25,7 +30,17 @@ def sizes(f: Finding, v: View, most: int = MOST_AMOUNTS, brief: bool = False) ->
 def rival_sizes(f: Finding, which: int, brief: bool = False) -> list[str]:
     """The sizes of an alternative (number `which`) of a finding, where it was fitted."""
     amounts = f.rival_amounts[which] if which < len(f.rival_amounts) else ()
-    return [f"{a.words} {amount(a.value, a.unit)}" for a in amounts if a.value and not a.is_rounding][: BRIEFLY if brief else MOST_AMOUNTS]
+    told = [a for a in amounts if a.value and not a.is_rounding]
+    return [_with_end(f"{a.words} {amount(a.value, a.unit)}", a) for a in _shown(told, BRIEFLY if brief else MOST_AMOUNTS)]
+
+
+def _shown(told: list[Amount], most: int) -> list[Amount]:
+    """The first `most` of the amounts, and all that lie at the end of their range: sizes beside such a number are not to be trusted."""
+    return [a for i, a in enumerate(told) if i < most or a.at_end]
+
+
+def _with_end(said: str, a: Amount) -> str:
+    return said + f", {AT_END}" * a.at_end
 
 
 def _tells(a: Amount) -> bool:
@@ -53,7 +68,7 @@ def _instead(given: Amount, found: Amount) -> str:
 def number(a: Amount, v: View, like: list | None = None) -> str:
     """A parameter of the model as text. A given one has one digit more, since no standard error says how many digits count."""
     given = v.given and any(b.name == a.name for b in v.before)
-    return amount(a.value, a.unit, a.std, like, GIVEN if given else MEASURED)
+    return _with_end(amount(a.value, a.unit, a.std, like, GIVEN if given else MEASURED), a)
 
 
 def _silent(f: Finding) -> list[str]:

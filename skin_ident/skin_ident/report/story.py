@@ -13,6 +13,7 @@ from skin_ident.report.focus import Focus, focus, rms
 from skin_ident.report.gains import Figure, better
 from skin_ident.report.numbers import amount, percent, plain
 from skin_ident.report.reading import LONE, view
+from skin_ident.report.ruled_out import reach
 from skin_ident.report.sessions import goes_on_from_day_to_day, most_left
 from skin_ident.report.shapes import residuals, smooth
 from skin_ident.report.sizes import rival_sizes, sizes
@@ -80,7 +81,7 @@ class Told:
 
 def tell(outcome: Outcome, folder: str = "") -> Told:
     """Read an outcome, pick what to look at first, and put it into words."""
-    v = view(outcome.findings)
+    v = replace(view(outcome.findings), reach=reach(outcome.traces))
     if _has_one_taxel(v):
         outcome = replace(outcome, rounds=tuple(replace(r, ranked=_lone(r.ranked)) for r in outcome.rounds))
     outcome = outcome if v.findings else replace(outcome, traces=tuple(map(_kept, outcome.traces)), scans=tuple(map(_kept, outcome.scans)))

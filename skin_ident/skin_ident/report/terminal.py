@@ -8,6 +8,7 @@ from skin_ident.report.counsel import unsure
 from skin_ident.report.numbers import amount
 from skin_ident.report.reading import LONE, view
 from skin_ident.report.sessions import most_left
+from skin_ident.report.sizes import AT_END
 from skin_ident.report.tolerant import mapping, place_in, text
 from skin_ident.report.view import EXPLAINED, NOTHING, PARTLY, UNEXPLAINED, Amount, Finding, Gain, View
 
@@ -94,7 +95,7 @@ def _placed(cause: str, where: str) -> str:
 
 def _size(a: Amount) -> str:
     """A number with its standard error, where it has one, in the same unit as on the page; plain spaces make it easy to search."""
-    return amount(a.value, a.unit, a.std).replace("\u00a0", " ").replace("\u202f", "")
+    return amount(a.value, a.unit, a.std).replace("\u00a0", " ").replace("\u202f", "") + f" ({AT_END})" * a.at_end
 
 
 def _worth(g: Gain) -> Iterator[str]:

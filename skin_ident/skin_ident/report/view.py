@@ -17,8 +17,8 @@ HELD_OUT, STRETCHES, IN_TURN, UNTESTED = "held_out", "stretches", "in_turn", "" 
 
 @dataclass(frozen=True)
 class Amount:
-    """One parameter: its name in code, its name in words, its SI value with unit and standard error (None where not known), and `none`, the
-    neutral value at which it has no effect."""
+    """One parameter: its name in code, its name in words, its SI value with unit and standard error (None where not known), `none`, the
+    neutral value at which it has no effect, and whether it lies `at_end`, at the end of its allowed range."""
 
     name: str
     words: str
@@ -26,6 +26,7 @@ class Amount:
     unit: str
     std: float | None = None
     none: float = 0.0
+    at_end: bool = False
 
     @property
     def is_rounding(self) -> bool:
@@ -197,6 +198,7 @@ class View:
     held: tuple[tuple[Amount, str], ...] = ()  # parameters that were not fitted, and where their values come from
     above: tuple[str, float] | None = None  # the channel whose error is clearly above its noise, and the ratio of the two
     given: bool = False  # whether the baseline was given, not fitted
+    reach: dict[str, float] = field(default_factory=dict)  # the largest force (N) and the greatest depth (m) of the recordings, by unit
     most_left: dict[str, Any] = field(default_factory=dict)  # the entry `systematic_rest`, with the sessions of the largest residual
 
     @property

@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 from functools import cache
 
-from skin_ident.criticism.vocabulary import BY_NAME, place, spoken, word_of
+from skin_ident.criticism.vocabulary import BY_NAME, place, place_of, spoken, word_of
 from skin_models.catalogue import effects
 from skin_models.dispersion import Dispersion
 from skin_models.effect import Effect
@@ -174,10 +174,22 @@ SHARES = {"held_out_fall_of_mean_square", "held_out_fall_over_distances", "expla
 
 @dataclass(frozen=True)
 class Rebuild:
-    """Whether a finding asks for new hardware: `answer` is yes, perhaps, no or cannot say (or, with rivals, not before a test)."""
+    """Whether a finding asks for a new sensor: `answer` is yes, perhaps, no or cannot say (or, with rivals, not before a test). `but` is
+    hardware besides the taxels that may be at fault instead."""
 
     answer: str
     because: str
+    but: tuple[str, ...] = ()
+
+
+_OF_THE_RIG = {"mount_compliance": "the mount", "backlash": "the stage", "friction": "the guide of the plunger"}
+
+
+def hardware(cause: str, where: str) -> str:
+    """The hardware besides the taxels that a cause at a place would be a fault of; empty where it is none."""
+    if where == "load_cell" or where.startswith("clock"):
+        return place_of(cause, where)
+    return _OF_THE_RIG.get(cause, "") if where == "rig" else ""
 
 
 _DISTORTING = {"hysteresis", "dead_zone", "saturation", "lag", "crosstalk", "quantization"}

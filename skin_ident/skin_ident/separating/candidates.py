@@ -141,7 +141,7 @@ def _rich(d: float, seed: int) -> Iterator[tuple[str, dict[str, Any]]]:
     for share in (0.15, 0.4):
         yield f"a multisine of {share * d:.2g} mm up to 8 Hz", _multisine(d, share, seed)
     for fastest in (2, 8):
-        yield f"random ramps at 0.2 to {fastest} mm/s", _random_ramps(d, fastest, seed)
+        yield f"random ramps at {fastest} mm/s at most", _random_ramps(d, fastest, seed)
 
 
 def _multisine(d: float, share: float, seed: int) -> dict[str, Any]:

@@ -14,8 +14,10 @@ from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.rivals import REACH
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import cause_at, spoken
-from skin_ident.separating.candidates import Candidate
+from skin_ident.separating.by_hand import shown_by_hand
+from skin_ident.separating.candidates import AIR, Candidate
 from skin_ident.separating.contest import Contender, Contest, contest, rehearsed
+from skin_ident.separating.path import lasts
 from skin_ident.separating.unrecorded import unrecorded
 
 FLOOR = 100.0  # squared whitened units (ten times the criticism's): the distance of two rivals must exceed what other causes could make
@@ -39,6 +41,7 @@ class Experiment:
     -   `together` are pairs of rivals that are not expected to be told apart even then; `hopeless` says that no other motion that was tried
         tells any of these pairs apart; `known` are the pairs that the existing recordings tell apart.
     -   `apart` says that one rival is in the skin and another is not.
+    -   `by_hand` are tests that tell pairs in `together` apart and are more than a motion (see `shown_by_hand`).
 
     `name` and `text` are empty where even the best motion is of no help.
     """
@@ -54,6 +57,7 @@ class Experiment:
     apart: bool = False
     hopeless: bool = False
     known: tuple[tuple[str, str], ...] = ()
+    by_hand: tuple[str, ...] = ()
 
     @property
     def helps(self) -> bool:
@@ -70,9 +74,14 @@ class Experiment:
         if not self.helps:
             other = "; press another skin with the same rig and sensors: what is in these stays, and what is in the skin goes with it"
             none = "no motion that was tried in simulation tells them apart clearly better than what was recorded"
-            return none + (other if self.apart else "")
+            return none + self._tests + (other if self.apart else "")
         rest = f"; it says nothing of {' or '.join(self.unasked)}" if self.unasked else ""
         return f"record {file} ({self.name}; {self.seconds:.0f} s): it {self._does}{rest}"
+
+    @property
+    def _tests(self) -> str:
+        """What a person can do about rivals that no motion tells apart; empty where nothing is known."""
+        return f"; what would tell them apart: {'; or '.join(self.by_hand)}" if self.by_hand else ""
 
     @property
     def _does(self) -> str:
@@ -84,9 +93,9 @@ class Experiment:
         told = [pair for pair in combinations(self.rivals, 2) if pair not in (*self.together, *self.known)]
         if told:
             most = "no motion that was tried in simulation tells" if self.hopeless else "it may not tell"
-            return f"would clearly tell {_from(told, 'and')}; {most} {_from(self.together, 'or')}"
+            return f"would clearly tell {_from(told, 'and')}; {most} {_from(self.together, 'or')}{self._tests}"
         left = " and ".join(" with ".join(pair) for pair in self.together)
-        return f"does most to tell {every}, though it may leave {left}"
+        return f"does most to tell {every}, though it may leave {left}{self._tests}"
 
     @property
     def numbers(self) -> dict[str, float]:
@@ -225,9 +234,10 @@ def _experiment(rivals: tuple[Contender, ...], known: Contest, best: _Option) ->
     worst = int(np.argmin(np.where(together & ~together.all(), np.inf, added)))
     words, places = _words(rivals), {r.where for r in rivals}
     left, told = (tuple((words[i], words[j]) for i, j, t in zip(*pairs, which, strict=True) if t) for which in (together, before))
-    said = (best.name, _text(best), best.seconds) if _helps(known, best) else ("", "", 0.0)
+    said = (best.name, _text(best), lasts(_text(best))) if _helps(known, best) else ("", "", 0.0)
     apart = "skin" in places and len(places) > 1
-    return Experiment(*said, float(added[worst]), float(recorded[worst]), words, left, apart=apart, known=told)
+    by_hand = shown_by_hand(rivals[k].cause for i, j, t in zip(*pairs, together, strict=True) if t for k in (i, j))
+    return Experiment(*said, float(added[worst]), float(recorded[worst]), words, left, apart=apart, known=told, by_hand=by_hand)
 
 
 def _helps(known: Contest, o: _Option) -> bool:
@@ -237,9 +247,13 @@ def _helps(known: Contest, o: _Option) -> bool:
 
 
 def _text(o: _Option) -> str:
-    """The battery of all candidates of an option, as YAML."""
+    """The battery of all candidates of an option, as YAML; one wait in the air between two of them."""
+    profiles: list[dict] = []
+    for content in (yaml.safe_load(p.text) for p in o.parts):
+        parts = [content] if content.get("name") else content["profiles"]
+        profiles += parts[1:] if profiles and parts[0]["type"] == profiles[-1]["type"] == AIR["type"] else parts
     about = {"type": "battery", "name": "separating", "about": o.name}
-    return yaml.safe_dump({**about, "profiles": [yaml.safe_load(p.text) for p in o.parts]}, sort_keys=False, width=140)
+    return yaml.safe_dump({**about, "profiles": profiles}, sort_keys=False, width=140)
 
 
 def _words(rivals: tuple[Contender, ...]) -> tuple[str, ...]:

@@ -32,7 +32,7 @@ class Step:
 
     @property
     def words(self) -> str:
-        """What is left, in words."""
+        """What was named, in words, with the rivals that are left."""
         unnamed = "something without a name" if self.verdict == "unexplained" else "nothing"
         return "; ".join(" or ".join(names) for names in self.left) or unnamed
 
@@ -67,7 +67,7 @@ def until_named(record: Record, first: str, rich: str, budget: float, progress: 
         steps.append(
             Step(battery, sum(float(r.t[-1] - r.t[0]) for r in (train[-1], held[-1])), _left(outcome), outcome.findings["verdict"])
         )
-        progress(f"left: {steps[-1].words}")
+        progress(f"named: {steps[-1].words}")
         spent = sum(s.seconds for s in steps) >= budget
         battery = "" if spent else _next(steps, outcome, rich, float(train[0].depth.max()))
     return Course(tuple(steps), outcome, (*train, *held))

@@ -145,7 +145,10 @@ def test_a_zero_that_jumped_asks_for_more_than_a_warm_up(courses, said):
     ("names", "answer", "because"),
     [
         ([("stress_relaxation", "skin"), ("hysteresis", "skin")], "No", "the skin behaves like this"),
-        ([("stress_relaxation", "skin"), ("mount_compliance", "rig"), ("time_shift", "clock")], "No", "none of the names"),
+        ([("stress_relaxation", "skin"), ("cyclic_softening", "skin"), ("position_offset", "rig")], "No", "none of the names"),
+        ([("stress_relaxation", "skin"), ("mount_compliance", "rig")], "No sensor, but perhaps the mount", "mount: a press on a rigid"),
+        ([("lag", "load_cell"), ("backlash", "rig")], "No taxel, but perhaps the load cell or the stage", "stage: reversals in"),
+        ([("hysteresis", "skin"), ("lag", "load_cell")], "No taxel, but perhaps the load cell", "To check the load cell: sinusoids"),
         ([("gain_error", "taxel_0"), ("off_centre", "rig")], "No", "at most its calibration"),
         ([("lag", "taxel_1"), ("hysteresis", "taxel_1")], "Perhaps", "the sensor itself"),
         ([("lag", "taxel_1"), ("time_shift", "clock")], "Not before the next experiment", "another does not"),

@@ -151,11 +151,11 @@ def _beside_others(p: Projected) -> np.ndarray:
 
 
 def _excluded(p: Projected, bounds: np.ndarray, cause: str, model: Model) -> tuple[list[dict[str, Any]], list[str]]:
-    """One entry per place: the weakest bound over the shapes that the data excite. Also the places where this bound says nothing, because
-    no skin or sensor can have as much."""
+    """One entry per place: the weakest bound over the shapes that the data excite, and as `least` the strongest over the other shapes of
+    the same parameter. Also the places where the weakest says nothing, because no skin or sensor can have as much."""
     limits = detectable(p, CLEAR)
     hollow = set()
-    places: dict[str, tuple[float, dict[str, Any]]] = {}
+    places: dict[str, list[tuple[float, dict[str, Any]]]] = {}
     for i, d in enumerate(p.which):
         if d.cause != cause or cause == AT_FULL_RATE or limits[i] > 1.0 or p.left[i] <= UNEXCITED:
             continue
@@ -165,10 +165,21 @@ def _excluded(p: Projected, bounds: np.ndarray, cause: str, model: Model) -> tup
             hollow.add(d.where)
         at = {q.name: {"value": q.value, "unit": q.unit} for q in parameters_of(d.effect) if q.role == SHAPE}
         entry = {"cause": cause, "where": d.where, "parameter": d.parameter, "below": float(bound * d.size), "unit": q.unit}
-        if d.where not in places or bound > places[d.where][0]:
-            which = {name: said for name, said in (("form", d.effect.form), ("at", at)) if said}
-            places[d.where] = (float(bound), {**entry, **which})
-    return [entry for where, (_, entry) in places.items() if where not in hollow], [where for where in places if where in hollow]
+        which = {name: said for name, said in (("form", d.effect.form), ("at", at)) if said}
+        places.setdefault(d.where, []).append((float(bound), {**entry, **which}))
+    return [_weakest(each) for where, each in places.items() if where not in hollow], [where for where in places if where in hollow]
+
+
+def _weakest(each: list[tuple[float, dict[str, Any]]]) -> dict[str, Any]:
+    """The entry with the largest bound of one cause at one place. As `least` it has the smallest of the bounds of the same parameter and
+    form at other shapes, where it is the largest of its own shape."""
+    _, worst = max(each, key=lambda e: e[0])
+    of_shapes: dict[str, dict[str, Any]] = {}
+    for _, e in sorted(each, key=lambda e: e[0]):
+        if "at" in e and all(e.get(name) == worst.get(name) for name in ("parameter", "form")):
+            of_shapes[str(e["at"])] = {"below": e["below"], "at": e["at"]}
+    least = min(of_shapes.values(), key=lambda e: e["below"], default=worst)
+    return worst | {"least": least} if least["below"] < worst["below"] else worst
 
 
 def _most(q: Parameter, where: str, model: Model) -> float:
@@ -178,13 +189,13 @@ def _most(q: Parameter, where: str, model: Model) -> float:
 
 
 def _imitated(p: Projected, cause: Cause, excluded: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """One entry per place where some form of a cause is excluded, for those of its forms that the model's own parameters imitate
-    entirely."""
+    """One entry for every form of a cause that the model's own parameters imitate entirely, at places where others of its forms are
+    excluded."""
     left: dict[tuple[str, str], float] = {}
     for d, share in zip(p.which, p.left, strict=True):
         if d.cause == cause.name:
             left[d.where, d.effect.form] = max(share, left.get((d.where, d.effect.form), 0.0))
-    hidden = {where: form for (where, form), most in left.items() if 0.0 < most <= UNEXCITED}
+    hidden = [at for at, most in left.items() if 0.0 < most <= UNEXCITED]
     return [
         {
             "cause": cause.name,
@@ -194,7 +205,7 @@ def _imitated(p: Projected, cause: Cause, excluded: list[dict[str, Any]]) -> lis
             "are excluded",
             "needs": cause.needs,
         }
-        for where, form in hidden.items()
+        for where, form in hidden
         if any(e["where"] == where for e in excluded)
     ]
 

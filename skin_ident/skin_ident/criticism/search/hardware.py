@@ -118,9 +118,14 @@ def tare_does(largest: float, tare: Tare) -> NotNamed:
     return _usual(f"{off}, but {tare.said} may leave as much", needs, own_zero=True)
 
 
-def specimens_do(largest: Mapping[str, float]) -> NotNamed:
-    """Why skin parameters of sessions' own are no finding; `largest` is the largest relative departure of each by name."""
+def specimens_do(largest: Mapping[str, float], lone: bool = False) -> NotNamed:
+    """Why skin parameters of sessions' own are no finding; `largest` is the largest relative departure of each by name. `lone`: there is
+    one session, and its parts that were fitted and held out are what differ."""
     off = ", ".join(f"{name} by up to {100.0 * share:.2g} %" for name, share in largest.items())
+    if lone:
+        why = f"the skin differs between the parts of this session that were fitted and held out ({off})"
+        needs = "a second session of the same specimen, in the same place and at the same temperature"
+        return _usual(f"{why}, as it does where its temperature changes, or where a model is not exact", needs)
     needs = "sessions of one specimen in one place and at one temperature, or separate parameters for each session"
     return _usual(f"the skin differs between sessions ({off}), as it does between specimens, temperatures and places", needs)
 

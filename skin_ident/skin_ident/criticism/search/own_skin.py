@@ -31,7 +31,7 @@ from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.only_held import mean_square
 from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.state import Search
-from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.sessions.session import FITTED, KEPT, Session
 from skin_ident.criticism.vocabulary import PARAMETERS
 from skin_models.model import Model
 
@@ -70,7 +70,7 @@ def take_own_skin(search: Search, explained: float, best: float, runs: list[Run]
     if explained <= max(LEAST_SCORE, reach(best), worth):
         return False
     others = [r for r in runs if r.course.carrier in (SLOPE, DEPTH) and r.score > MUCH * explained]
-    search.tared |= {r.course.key: skin_does(r) for r in reversed(others)}  # of one key the run is kept that explains most
+    search.tared |= {r.course.key: skin_does(r) for r in sorted(others, key=lambda r: r.score)}  # of one key the best is kept
     search.progress("letting the skin differ from session to session")
     search.own_skin = True  # they are fitted where the next round begins
     return True
@@ -195,7 +195,7 @@ def tell_of_skin(search: Search) -> None:
         search.named.append(Named(*PARAMETERS, gain, explained, (), courses={s.name: _said(s) for s in sessions}))
         search.progress("named another skin in every session")
     elif max(largest.values()) > WORTH_SAYING:
-        search.tared[PARAMETERS] = specimens_do(largest)
+        search.tared[PARAMETERS] = specimens_do(largest, lone=sessions[0].name.endswith((FITTED, KEPT)))
 
 
 def _off(model: Model, s: Session) -> float:
