@@ -194,14 +194,27 @@ def impossible(r: Recording, asked: Sequence[int] | None = None) -> str:
 
 def far_too_little(r: Recording, asked: Sequence[int] | None = None) -> str:
     """The same for taxels that feel hardly any of the force: their unit may be wrong, or the plunger is far from all of them."""
-    if r.depth is None or r.force is None:
+    felt = most_felt(r, asked)
+    if not 0.0 < felt < FAR_TOO_LITTLE:
         return ""
-    applied = _slope(r.force, r.depth)
-    felt = max((_slope(r.taxels[i], r.depth) or 0.0 for i in (_in_newtons(r) if asked is None else asked)), default=0.0)
-    if applied is None or not 0.0 < felt < FAR_TOO_LITTLE * applied:
+    return f"the strongest taxel feels {100 * felt:.2g} % of the applied force: its unit is wrong, or the plunger is nowhere near a taxel"
+
+
+def too_little(felt: float) -> str:
+    """A warning about a strongest taxel that feels this share of the force, if it is small but not far too small; else empty."""
+    if not FAR_TOO_LITTLE <= felt < LEAST_FELT:
         return ""
-    share = f"{100 * felt / applied:.2g} % of the applied force"
-    return f"the strongest taxel feels {share}: its unit is wrong, or the plunger is nowhere near a taxel"
+    doubt = "check the units of taxels and load cell (grams-force are no newtons), or where the plunger is"
+    return f"the strongest taxel feels {100 * felt:.2g} % of the applied force: {doubt}"
+
+
+def most_felt(r: Recording, asked: Sequence[int] | None = None) -> float:
+    """The share of the applied force that the strongest taxel feels, of those `asked` for or all in newtons; 0 where none follows the
+    depth, or where depth or force is missing."""
+    applied = None if r.depth is None or r.force is None else _slope(r.force, r.depth)
+    if not applied:
+        return 0.0
+    return max((_slope(r.taxels[i], r.depth) or 0.0 for i in (_in_newtons(r) if asked is None else asked)), default=0.0) / applied
 
 
 def _in_newtons(r: Recording) -> list[int]:
@@ -234,17 +247,13 @@ def _as_no_skin(r: Recording) -> str:
 
 def _proportions(r: Recording) -> list[str]:
     """Warnings about taxels that feel clearly more, or clearly less, than the applied force."""
-    felt = [s for y, unit in zip(r.taxels, r.taxel_units, strict=True) if unit == "N" and (s := _slope(y, r.depth)) is not None]
     applied = None if r.force is None else _slope(r.force, r.depth)
-    if not felt or not applied:
+    if not applied:
         return []
-    if MOST_FELT * applied < sum(felt) <= FAR_TOO_MUCH * applied:
-        return [f"the taxels together feel {sum(felt) / applied:.3g} times the applied force: check the units and calibrations"]
-    if max(felt) < LEAST_FELT * applied:
-        return [
-            f"the strongest taxel feels {100 * max(felt) / applied:.2g} % of the applied force: check its unit, or where the plunger is"
-        ]
-    return []
+    felt = sum(_slope(r.taxels[i], r.depth) or 0.0 for i in _in_newtons(r))
+    if MOST_FELT * applied < felt <= FAR_TOO_MUCH * applied:
+        return [f"the taxels together feel {felt / applied:.3g} times the applied force: check the units and calibrations"]
+    return [said] if (said := too_little(most_felt(r))) else []
 
 
 def apparent_delay(u: np.ndarray, y: np.ndarray, dt: float) -> float:

@@ -1,14 +1,19 @@
 """Slopes of taxels in volts come back with errors that hold, and what they are written to reads them."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
-from making import noise, recording
+from making import noise, recording, write_bag
 
 from skin_ident.cli.fit import main
-from skin_ident.estimators.calibration import as_rig_yaml, calibrate, fit_line, stiffness
+from skin_ident.estimators.calibration import as_rig_yaml, calibrate, direct_load, fit_line, stiffness
 from skin_ident.estimators.errors import FitError
 from skin_ident.recordings.declared import declared_from
+from skin_ident.recordings.load import load
 from skin_ident.recordings.recording import Recording
+from skin_ident.recordings.slopes import slopes_in_use
 
 
 def stairs(seed=0, slope=9.4, zero=0.31, rho=0.95):
@@ -42,6 +47,48 @@ def test_what_is_calibrated_is_not_told_to_lack_a_calibration(tmp_path, capsys):
     assert main([str(tmp_path / "s.csv"), "--what", "calibration"]) == 0
     said = capsys.readouterr().out
     assert "slope_n_per_v: 9." in said and "no calibration" not in said
+
+
+def pressed_through_skin(tmp_path, rig=""):
+    """A bag of a press of skin, with taxels in newtons and volts, made with 9.4 N/V; 0.78 of the force reaches the taxel."""
+
+    def with_volts(_, __, message):
+        return replace(message, voltage=message.force / 9.4) if hasattr(message, "voltage") else message
+
+    write_bag(tmp_path / "press", recording(n=3000, sigma=0.01), change=with_volts)
+    (tmp_path / "press" / "calibration.yaml").write_text("load_cell_n_per_v: 13.9\ntaxels_n_per_v: {taxel_0: 9.4, taxel_1: null}\n")
+    (tmp_path / "press" / "rig.yaml").write_text(rig)
+    return str(tmp_path / "press")
+
+
+def test_a_slope_through_skin_is_warned_of_and_compared_with_the_one_in_use(tmp_path, capsys):
+    assert main([pressed_through_skin(tmp_path), "--what", "calibration"]) == 0
+    said = capsys.readouterr().out
+    assert "taxel_0    is 1.3 times what it was recorded with: 9.4 N/V" in said
+    assert "mm deep" in said and "known load on the bare taxel" in said and "for rig.yaml, if the load lay on the taxel itself" in said
+
+
+def test_bare_loads_are_told_from_presses_of_skin():
+    assert "through skin the slope holds" in direct_load([stairs()])[0] and "mm deep" in direct_load([recording(n=1000)])[0]
+
+
+def test_slopes_in_use_are_read_from_files_that_say_them(tmp_path):
+    bag = Path(pressed_through_skin(tmp_path))
+    assert slopes_in_use(bag) == {"taxel_0": 9.4}
+    for broken in ("[", "taxels_n_per_v: 3", "- 1", ""):
+        (bag / "calibration.yaml").write_text(broken)
+        assert slopes_in_use(bag) == {}
+    (bag / "calibration.yaml").unlink()
+    assert slopes_in_use(bag) == {} == slopes_in_use(tmp_path / "no.csv")
+
+
+def test_a_calibration_of_what_is_in_newtons_already_is_said_to_be_unused(tmp_path, capsys):
+    path = pressed_through_skin(tmp_path, "calibration: {taxel_0: {slope_n_per_v: 18.8, zero_v: 0}}")
+    (said,) = [w for w in load(path)[0].warnings if "rig.yaml" in w]
+    assert "in newtons here already: its entry is not used; with --topics taxels=/taxels:voltage" in said
+    (volts,) = load(path, {"taxels": "/taxels:voltage"})
+    assert np.allclose(volts.taxels, 2.0 * load(path)[0].taxels) and not any("rig.yaml" in w for w in volts.warnings)
+    assert main([path, "--what", "calibration"]) == 2 and "rig.yaml calibrates taxel_0 already" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -93,9 +93,22 @@ def test_a_campaign_resumes_and_writes_its_tables(tmp_path, capsys):
     assert np.all(np.array(ratios) < 1.5) and (tmp_path / "confusion.csv").exists()
 
 
+def test_all_cases_in_a_folder_are_counted_together(tmp_path, capsys):
+    held = [entry("lag", [LAG], where="taxel", protocol="demo"), entry(NULL, protocol="demo")]
+    (tmp_path / RESULTS).write_text("".join(json.dumps(e) + "\n" for e in held))
+    call = ["--sizes", "1", "--seeds", "1", "--jobs", "1", "--out", str(tmp_path), "--causes", NULL]
+    assert main([*call, "--protocol", "demo"]) == 0
+    assert "2 cases, 1 of them from earlier calls" in capsys.readouterr().out
+    assert {r["cause"] for r in csv.DictReader((tmp_path / "cases.csv").open())} == {NULL, "lag"}
+    assert main([*call, "--protocol", "full"]) == 2 and main([*call, "--protocol", "demo", "--taxels", "2"]) == 2
+    said = capsys.readouterr().err
+    assert said.count("holds cases of the battery demo with 1 taxel") == 2 and len((tmp_path / RESULTS).read_text().splitlines()) == 2
+
+
 @pytest.mark.parametrize(
     ("arguments", "word"),
-    [(["--causes", "witchcraft"], "is no cause"), (["--protocol", "array_walk"], "motions alone"), (["--seeds", "0"], "--seeds"),
+    [(["--causes", "witchcraft"], "is no cause"), (["--causes", "frction"], "mean friction?"),
+     (["--protocol", "array_walk"], "motions alone"), (["--seeds", "0"], "--seeds"),
      (["--causes", "spread_width"], "cannot be hidden here"), (["--sizes", "0"], "positive"), (["--sizes", "nan"], "positive"),
      (["--protocol", "x"], "no battery"), (["--causes", "lag", "lag"], "names lag twice"),
      (["--sizes", "1", "2", "1.0"], "names 1.0 twice")],

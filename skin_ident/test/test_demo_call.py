@@ -38,15 +38,27 @@ def test_what_was_asked_for_is_no_secret(cause, word):
 
 def test_the_answer_says_how_large_both_are_where_they_are_the_same():
     hidden = specimen_with_secret(1, "lag")[1]
-    found = {"cause": "lag", "where": "taxel", "parameters": {"tau": {"value": 0.052, "unit": "s", "std": 0.001}}}
+    found = {"cause": "lag", "where": "taxel", "parameters": {"tau": {"value": 0.052, "unit": "s", "std": 0.001}}, "alternatives": []}
     said = answer(hidden, {"findings": [found, found | {"where": "load_cell"}]}).replace("\u00a0", " ")
     assert "hidden: lag in the taxel (tau 50.0 ms)" in said
     assert said.endswith("found:  lag in the taxel (tau 52 ± 1 ms), lag in the load_cell")
     assert answer(None, {"findings": []}) == "\nhidden: nothing\nfound:  nothing"
 
 
+def test_the_answer_claims_no_more_than_the_diagnosis_where_rivals_are_left():
+    rivals = [{"cause": "drift", "where": "taxel"}, {"cause": "lag", "where": "load_cell"}]
+    found = {"cause": "lag", "where": "taxel", "parameters": {}, "alternatives": rivals}
+    said = answer(specimen_with_secret(1, "lag")[1], {"findings": [found]})
+    assert said.endswith("found:  lag in the taxel or drift in the taxel or lag in the load_cell")
+
+
 def test_a_zero_of_depth_that_is_found_beside_what_was_hidden_is_the_rigs_own():
-    zero = {"cause": "position_offset", "where": "rig", "parameters": {"offset": {"value": 2.5e-6, "unit": "m", "std": 1e-7}}}
+    zero = {
+        "cause": "position_offset",
+        "where": "rig",
+        "parameters": {"offset": {"value": 2.5e-6, "unit": "m", "std": 1e-7}},
+        "alternatives": [],
+    }
     screw = f"{1e6 * Imperfections().screw_error:g} µm"
     assert all(screw in answer(hidden, {"findings": [zero]}).splitlines()[-1] for hidden in (None, specimen_with_secret(1, "lag")[1]))
     assert screw not in answer(None, {"findings": []})

@@ -147,3 +147,13 @@ def test_skin_that_recovers_by_itself_is_no_error_of_the_model(feel):
     fit = fit_dispersion([r], SILICONE[4][0])
     assert fit.residuals["taxel_0"].rmse < 0.02 and fit.values["k1"] == pytest.approx(9619, rel=0.01)
     assert fit.values["b1"] == pytest.approx(939.5, rel=0.03)
+
+
+@pytest.mark.parametrize(("bent", "said"), [(0.0, False), (2e7, True)])
+def test_it_is_said_where_far_more_than_noise_is_left(bent, said):
+    """A spring that stiffens leaves errors of which the intervals know nothing; in the air the noise is seen."""
+    r = recording(n=6000, sigma=0.02, amplitude=0.5e-3, offset=0.2e-3)
+    r = replace(r, force=r.force + bent * np.maximum(r.depth, 0.0) ** 2)
+    fit = fit_dispersion([r], SILICONE[4][0])
+    assert any("times the noise" in w and "run diagnose" in w for w in fit.warnings) is said
+    assert not any("times the noise" in w for w in fit_dispersion([recording(sigma=0.0, offset=0.2e-3)], SILICONE[4][0]).warnings)

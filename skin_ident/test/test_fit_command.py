@@ -146,6 +146,7 @@ BAD = {
     "a night of bootstrap": lambda d: [write_table(d / "a.csv", R), "--bootstrap", "1000000000"],
     "a picture": lambda d: [(d / "a.png").write_bytes(b"\x89PNG") and d / "a.png"],
     "binary in a table": lambda d: [(d / "a.csv").write_bytes(bytes(range(256))) and d / "a.csv"],
+    "none of it": lambda d: [write_table(d / "a.csv", R), "--bootstrap", "0"],
     "no bootstrap at all": lambda d: [write_table(d / "a.csv", R), "--bootstrap", "-3"],
     "no name in a batch": lambda d: ["", "--each"],
     "no processes": lambda d: [write_table(d / "a.csv", R), "--each", "--jobs", "-1"],

@@ -106,6 +106,8 @@ def test_the_truth_lies_apart_and_the_data_are_read_again(command, base, tmp_pat
     ("arguments", "word"),
     [
         (["--cause", "witchcraft"], "choose from adhesion"),
+        (["--cause", "backlsh"], "did you mean backlash?"),
+        (["--cause", "parameters"], "cannot be hidden; choose from adhesion"),
         (["--cause", "lag", "--where", "skin"], "choose from load_cell"),
         (["--size", "-1"], "positive"),
         (["--size", "1e6"], "below 10000"),

@@ -1,8 +1,10 @@
 """Relaxation times and stiffnesses come back from holds, and no more of them are found than there are."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from making import SILICONE, noise, response
+from making import SILICONE, noise, recording, response
 
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.prony import NO_RELAXATION, fit_prony
@@ -47,6 +49,16 @@ def test_it_is_said_where_no_relaxation_can_be_told():
     without, relaxing = held([]), held([(1500.0, 800.0, 1.5)])
     assert NO_RELAXATION in fit_prony([without], 2).warnings
     assert NO_RELAXATION not in (*fit_prony([relaxing]).warnings, *fit_prony([without]).warnings)
+
+
+def test_arms_that_stand_for_something_else_are_doubted():
+    """Of a bent spring under a sine, which has no holds, arms are told that are none."""
+    r = recording(n=6000, sigma=0.02, amplitude=0.5e-3, offset=0.2e-3)
+    bent = replace(r, force=r.force + 2e7 * np.maximum(r.depth, 0.0) ** 2)
+    said = fit_prony([bent], 1).warnings
+    assert any("times the noise" in w and "run diagnose" in w for w in said)
+    assert any("no holds" in w for w in said) or NO_RELAXATION in said
+    assert not any("hold" in w for w in fit_prony([held([(1500.0, 800.0, 1.5)])]).warnings)
 
 
 def test_number_of_arms_is_bounded():

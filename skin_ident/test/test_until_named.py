@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 import yaml
 
-from skin_ident.cli.identify import _account, main
+from skin_ident.cli.identify import _account, _truth, main
 from skin_ident.separating import loop
 from skin_ident.separating.candidates import random_motion, redrawn
 from skin_ident.separating.path import planned
+from skin_models.catalogue import effect_class
+from skin_models.materials import material
 from skin_motion_profiles.profile_file import entry_from_text, entry_from_words
 
 TRIANGLES = (
@@ -25,6 +27,7 @@ def test_goes_on_until_one_name_is_left(tmp_path, capsys):
     assert main(call) == 0
     said = capsys.readouterr().out
     told = json.loads((tmp_path / "experiments.json").read_text())
+    assert "hidden in the specimen: hysteresis in the taxel (" in said and "; it was named\n" in said
     assert "the fixed battery demo" in said and told["course"][0]["battery"] == TRIANGLES
     assert all(len(names) == 1 for names in told["course"][-1]["left"])
     for name in ("findings.json", "model.yaml", "report.html", "specimen.yaml", "recordings/session_1.csv"):
@@ -102,6 +105,20 @@ def test_what_shall_be_predicted_is_another_draw_of_the_same_motions(battery):
     apart = np.diff([m.x[: min(first.x.size, again.x.size)] for m in (first, again)], axis=0)
     assert abs(first.x.size / again.x.size - 1.0) < 0.2 and np.sqrt(np.mean(apart**2)) > 0.05 * first.x.max()
     assert redrawn(redrawn(battery)) != redrawn(battery) and redrawn(TRIANGLES) == TRIANGLES
+
+
+@pytest.mark.parametrize(
+    ("left", "said"),
+    [((("lag in the taxel",),), "it was named"), ((("drift in the taxel", "lag in the taxel"),), "it is among the names that are left"),
+     ((("lag in the load_cell",),), "it was not named"), ((), "it was not named")],
+)  # fmt: skip
+def test_what_was_hidden_is_said_last(left, said):
+    of = loop.Course((loop.Step("b", 9.0, left, "explained"),), None, ())
+    plain = material("silicone_4mm").model
+    hidden = plain.extended(effect_class("lag", "taxel").typical("taxel"))
+    assert _truth(hidden, of).startswith("hidden in the specimen: lag in the taxel (tau") and _truth(hidden, of).endswith(said)
+    assert _truth(plain, of) == f"hidden in the specimen: nothing; something {'was' if left else 'was not'} named"
+    assert f"9 s of recording, named: {of.steps[-1].words}" in _account(of, of, "full")
 
 
 @pytest.mark.parametrize(("seconds", "longer"), [(174.0, True), (40.0, False)])

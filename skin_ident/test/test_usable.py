@@ -127,12 +127,20 @@ def test_sizes_that_only_a_wrong_unit_gives_are_refused_with_depth_or_without():
 
 
 def test_units_are_not_doubted_where_a_share_is_small_or_a_taxel_counts():
-    small = presses(0, taxels=0.01 * presses().taxels + np.random.default_rng(5).normal(0.0, 0.003, T.size))
+    small = presses(0, taxels=0.02 * presses().taxels + np.random.default_rng(5).normal(0.0, 0.003, T.size))
     assert in_sound_units([small])[0].warnings == ()
     counts = presses(0, taxels=np.round(400.0 * presses().taxels))
     assert in_sound_units([counts])[0].warnings == ()
     (faint,) = in_sound_units([presses(0, taxels=1e-3 * presses().taxels)])
     assert "0.07 % of the applied force" in faint.warnings[0]
+
+
+def test_units_are_asked_about_where_no_taxel_feels_a_hundredth_of_the_force_in_any_session():
+    """A load cell in grams-force looks like a taxel beside the plunger; in one session of several the plunger may be beside it."""
+    grams = [presses(i, force=1e3 / 9.80665 * presses(i).force) for i in range(2)]
+    first, second = in_sound_units(grams)
+    assert "0.69 % of the applied force: check the units" in first.warnings[0] and not second.warnings
+    assert [r.warnings for r in in_sound_units([grams[0], presses(1)])] == [(), ()]
 
 
 def test_a_twin_of_the_same_size_vouches_for_it():

@@ -70,6 +70,14 @@ def seconds(doc: str, default: Any) -> Any:
     return number(f"s, {doc}", default, lower=0.0, upper=1e5)
 
 
+def check_presses(label: str, name: str, depths_mm: Iterable[float], base_mm: float) -> None:
+    """Raise `ProfileError` for a depth (mm) at which a press goes up from a base in the air or at the surface: its sign is wrong."""
+    wrong = next((at for at in depths_mm if at < base_mm <= 0.0), None)
+    if wrong is not None:
+        above = f"{name} = {wrong:g} lies in the air, above base_mm = {base_mm:g}"
+        raise ProfileError(f"{label}: {above}: depths are positive into the skin; for a motion in the air give a base_mm above it")
+
+
 def depth(doc: str, default: Any = None) -> Any:
     """A depth below the surface (negative in the air)."""
     return number(f"mm, {doc}", default, lower=-150.0, upper=150.0)

@@ -35,6 +35,11 @@ def test_a_named_battery_is_written_out(name):
     assert list(leaves(entry_from_text(text))) == list(leaves(battery))
 
 
+@pytest.mark.parametrize("text", ["{type: step, depth_mm: -1, base_mm: -2}", "{type: step, depth_mm: -0.5, base_mm: 0.5}"])
+def test_a_motion_in_the_air_and_one_that_lets_go_are_no_mistakes(text):
+    assert entry_from_text(text).duration > 0.0
+
+
 REFUSED = {
     "": "must be a mapping",
     "[1, 2]": "must be a mapping",
@@ -51,6 +56,12 @@ REFUSED = {
     "{type: step, depth_mm: [1]}": "must be a number",
     "{type: step, depth_mm: 1, hold_s: -1}": "must lie between 0",
     "{type: step, depth_mm: 1, name: 3}": "must be text",
+    "{type: step, depth_mm: -1}": "step: depth_mm = -1 lies in the air, above base_mm = 0: depths are positive into the skin",
+    "{type: repeated_step, depth_mm: -1}": "lies in the air",
+    "{type: stair_step, depth_mm: -1, base_mm: -0.5}": "lies in the air, above base_mm = -0.5",
+    "{type: minor_loops, depth_mm: -1, returns_mm: -0.5}": "lies in the air",
+    "{type: constant_rate_loops, depths_mm: [1, -1], speeds_mm_s: 1}": "depths_mm = -1 lies in the air",
+    "{type: constant_strain_hold, depths_mm: -1}": "lies in the air",
     "{type: stair_step, depth_mm: 1, steps: 2.5}": "must be a whole number",
     "{type: stair_step, depth_mm: 1, steps: 0}": "must lie between 1",
     "{type: ramp_list, depths_mm: []}": "must not be empty",

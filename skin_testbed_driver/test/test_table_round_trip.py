@@ -31,6 +31,17 @@ def test_a_table_reads_back_as_it_was_written(tmp_path, taxels):
         np.testing.assert_allclose(getattr(after, name).values, getattr(before, name).values, atol=atol, rtol=0.0)
 
 
+def test_the_table_begins_and_ends_with_what_was_recorded_of_everything(tmp_path):
+    """Where the encoder is heard before the force there is nothing to read but a gap; a taxel that dies has its nan, and no rows go."""
+    whole = recorded()
+    whole.taxels.values[300:, 0] = np.nan
+    late = Recorded(whole.depth, Track(whole.force.t[14:], whole.force.values[14:]), Track(whole.taxels.t[:490], whole.taxels.values[:490]))
+    assert write_table(tmp_path / "run.tsv", late) == 476
+    after = read_table(tmp_path / "run.tsv")
+    assert after.depth.t[0] == 0.0 and np.isfinite(after.force.values).all() and np.isnan(after.taxels.values[290:, 0]).all()
+    np.testing.assert_allclose(after.depth.values, whole.depth.values[14:490], atol=1e-15)
+
+
 def test_the_table_has_tabs_a_header_with_units_and_a_row_per_sample(tmp_path):
     write_table(tmp_path / "run.tsv", recorded())
     lines = (tmp_path / "run.tsv").read_text().splitlines()

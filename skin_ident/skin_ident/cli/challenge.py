@@ -1,4 +1,5 @@
-"""`challenge --out DIR`: hide effects in simulated recordings, diagnose them, and count the hits. The same command again resumes."""
+"""`challenge --out DIR`: hide effects in simulated recordings, diagnose them, and count the hits. The same command again resumes, and
+another one adds to what is there."""
 
 import argparse
 import math
@@ -11,11 +12,11 @@ from typing import Any
 
 from skin_ident.cli import common
 from skin_ident.criticism.sessions.session import prepare
-from skin_ident.criticism.vocabulary import CAUSES
 from skin_ident.hiding.campaign import NULL, SHARES, Case, cases, keep, kept, key, recordings, result
-from skin_ident.hiding.drawing import hideable
+from skin_ident.hiding.drawing import hideable, refused
 from skin_ident.hiding.errors import HidingError
 from skin_ident.processes import no_interrupts, workers
+from skin_models.words import counted
 
 RESULTS = "results.jsonl"
 
@@ -32,6 +33,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     folder = common.output_folder(chosen.out)
     file = folder / RESULTS
     done = {key(r): r for r in kept(file)}
+    _alike(wanted[0], list(done), folder)
     left = [case for case in wanted if case not in done]
     if len(left) < len(wanted):
         common.say(f"{len(wanted) - len(left)} of {len(wanted)} cases are there already")
@@ -44,18 +46,29 @@ def _main(arguments: Sequence[str] | None) -> int:
             raise
         common.say(f"\ninterrupted; the cases so far are kept in {file}, and the same command goes on")
         return common.INTERRUPTED
-    _report([done[case] for case in wanted], folder)
+    _report([done[case] for case in wanted], list(done.values()), folder)
     return 0
 
 
-def _report(results: list[dict[str, Any]], folder: Path) -> None:
-    """Raises `HidingError` where there is nothing to count."""
+def _alike(wanted: Case, there: list[Case], folder: Path) -> None:
+    """Raises `HidingError` where the folder holds cases of other recordings than those wanted: one rate of both would say nothing."""
+    other = next((case for case in there if (case.protocol, case.taxels) != (wanted.protocol, wanted.taxels)), None)
+    if other is not None:
+        held = f"holds cases of the battery {other.protocol} with {counted(other.taxels, 'taxel')}"
+        raise HidingError(f"{folder} {held}, and all cases in a folder are counted together: name another folder")
+
+
+def _report(wanted: list[dict[str, Any]], results: list[dict[str, Any]], folder: Path) -> None:
+    """Count all results in the folder, those of this call and of earlier ones. Raises `HidingError` where none of the cases of this call
+    could be played."""
     from skin_ident.hiding.picture import save_confusion  # drawing costs a second of start-up that a refusal should not
     from skin_ident.hiding.tally import summary, write_tables
 
-    reasons = [r.get("skipped") or r.get("failed") for r in results]
+    reasons = [r.get("skipped") or r.get("failed") for r in wanted]
     if all(reasons):
-        raise HidingError(f"none of the {len(results)} cases could be played, the first because {reasons[0]}")
+        raise HidingError(f"none of the {len(wanted)} cases could be played, the first because {reasons[0]}")
+    if len(results) > len(wanted):
+        print(f"{len(results)} cases, {len(results) - len(wanted)} of them from earlier calls with other arguments:")
     print(summary(results))
     write_tables(results, folder)
     save_confusion(results, folder / "confusion.png")
@@ -95,8 +108,7 @@ def _wanted(chosen: argparse.Namespace) -> list[Case]:
     causes = chosen.causes or [NULL, *sorted(able)]
     for cause in causes:
         if cause != NULL and cause not in able:
-            known = "is in the vocabulary, but cannot be hidden here" if cause in {c.name for c in CAUSES} else "is no cause"
-            raise HidingError(f"{cause!r} {known}; choose from {', '.join((NULL, *sorted(able)))}")
+            raise HidingError(refused(cause, (NULL, *able), " here"))
     return cases(causes, chosen.sizes, chosen.seeds, chosen.protocol, chosen.taxels)
 
 

@@ -37,6 +37,7 @@ from skin_ident.recordings.carried import with_warnings_of
 from skin_ident.recordings.load import find, load
 from skin_ident.recordings.mass import USUAL_MM
 from skin_ident.recordings.recording import Recording
+from skin_ident.recordings.slopes import slopes_in_use
 from skin_ident.spread_scan import SpreadScan
 from skin_models.model_file import save_model
 from skin_models.words import counted
@@ -61,7 +62,7 @@ def _main(arguments: Sequence[str] | None) -> int:
         raise FitError(f"--profile and --bootstrap are for least squares: leave them or --loss {chosen.loss} out")
     _check_what(chosen)
     check(options)
-    if chosen.bootstrap:
+    if chosen.bootstrap is not None:
         check_runs(chosen.bootstrap)
     if chosen.out is not None:
         common.check_output(chosen.out)
@@ -79,13 +80,19 @@ def _main(arguments: Sequence[str] | None) -> int:
     common.say(f"fitting {counted(len(recordings), 'session')}, {sum(map(len, recordings))} samples …")
     with with_warnings_of(recordings):
         if chosen.what != DISPERSION:
-            return fit_other(chosen.what, recordings, chosen.out, chosen.arms)
+            return fit_other(chosen.what, recordings, chosen.out, chosen.arms, _slopes(chosen))
         estimate = _estimate(chosen, recordings, options)
     estimate = with_spread(estimate, recordings)
     print(as_table(estimate))
     if chosen.out:
         write(estimate, common.output_folder(chosen.out))
     return 0
+
+
+def _slopes(chosen: argparse.Namespace) -> dict[str, float]:
+    """The slopes (N/V) by taxel that the recordings keep, those of the first that keeps any."""
+    files = (file for path in chosen.recordings for file in find(path)) if chosen.what == CALIBRATION else ()
+    return next(filter(None, map(slopes_in_use, files)), {})
 
 
 def _estimate(chosen: argparse.Namespace, recordings: list[Recording], options: Options) -> Estimate:
@@ -201,7 +208,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--order", type=int, default=1, choices=(1, 2), help="from force to force: 1 without mass, 2 as thesis eq 32")
     parser.add_argument("--loss", default=LINEAR, choices=LOSSES, help="all but linear reduce the influence of spikes")
     parser.add_argument("--keep-spikes", action="store_true", help="do not replace samples that jump away and back in one channel alone")
-    parser.add_argument("--bootstrap", type=int, default=0, metavar="RUNS", help="also intervals by block bootstrap of the residual")
+    parser.add_argument("--bootstrap", type=int, metavar="RUNS", help="also intervals by block bootstrap of the residual")
     parser.add_argument("--profile", action="store_true", help="also intervals by profile likelihood")
     parser.add_argument("--each", action="store_true", help="fit every session by itself, in parallel, into one table; resumable")
     parser.add_argument("--jobs", type=int, help="processes for --each; default: one per core")

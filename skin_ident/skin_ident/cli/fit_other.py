@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
+from types import MappingProxyType
 from typing import Any
 
 from skin_ident.cli import common
-from skin_ident.estimators.calibration import Line, as_rig_yaml, calibrate, stiffness
+from skin_ident.estimators.calibration import Line, as_rig_yaml, calibrate, direct_load, stiffness
 from skin_ident.estimators.estimate import HALF_95
 from skin_ident.estimators.figures import figures, plus_minus
-from skin_ident.estimators.prony import Arm, PronyFit, fit_prony
+from skin_ident.estimators.prony import NO_RELAXATION, Arm, PronyFit, fit_prony
 from skin_ident.recordings.assemble import UNCALIBRATED
 from skin_ident.recordings.carried import said_of
 from skin_ident.recordings.recording import Recording
@@ -20,12 +21,16 @@ WHAT = (DISPERSION, PRONY, CALIBRATION, STIFFNESS)
 WIDE = 20  # columns of the table
 
 
-def fit_other(what: str, recordings: Sequence[Recording], out: str | None, arms: int | None = None) -> int:
-    """Print what was asked for and, where `out` is a folder, write it there. Raises `FitError`."""
+def fit_other(
+    what: str, recordings: Sequence[Recording], out: str | None, arms: int | None = None, in_use: Mapping[str, float] = MappingProxyType({})
+) -> int:
+    """Print what was asked for and, where `out` is a folder, write it there. `in_use` are slopes (N/V) by taxel that the recordings keep,
+    with which calibrated ones are compared. Raises `FitError`."""
     if what == PRONY:
         return _prony(recordings, out, arms)
-    lines = calibrate(recordings) if what == CALIBRATION else stiffness(recordings)
-    print("\n".join(_lines(what, recordings, lines)))
+    lines, notes = (calibrate(recordings), direct_load(recordings)) if what == CALIBRATION else (stiffness(recordings), [])
+    recordings = [recordings[0].warned(*notes), *recordings[1:]] if notes else recordings
+    print("\n".join(_lines(what, recordings, lines, in_use)))
     if out:
         folder, method = common.output_folder(out), f"{what}, straight lines by least squares"
         common.write_json(folder / "fit.json", {"schema": 1, "method": method, **_sources(recordings), what: _each(lines)})
@@ -45,7 +50,7 @@ def _of(recordings: Sequence[Recording]) -> str:
     return f"{counted(len(recordings), 'session')} ({', '.join(r.name for r in recordings)}), ± 95 %"
 
 
-def _lines(what: str, recordings: Sequence[Recording], lines: Mapping[str, Line]) -> list[str]:
+def _lines(what: str, recordings: Sequence[Recording], lines: Mapping[str, Line], in_use: Mapping[str, float]) -> list[str]:
     against, unit, zero = ("load cell", "N/V", (1.0, "V")) if what == CALIBRATION else ("depth", "N/m", (1e3, "mm"))
     out = [f"{what} against the {against}: {_of(recordings)}"]
     out += [
@@ -53,7 +58,10 @@ def _lines(what: str, recordings: Sequence[Recording], lines: Mapping[str, Line]
         f"rms {figures(line.rms)} N, R² {line.r2:.5f}, {counted(line.samples, 'sample')}"
         for name, line in lines.items()
     ]
-    out += ["for rig.yaml:", as_rig_yaml(dict(lines)).rstrip()] if what == CALIBRATION else []
+    if what == CALIBRATION:
+        known = {name: (line.slope / in_use[name], in_use[name]) for name, line in lines.items() if name in in_use}
+        out += [f"  {name:<10} is {ratio:.3g} times what it was recorded with: {own:.4g} N/V" for name, (ratio, own) in known.items()]
+        out += ["for rig.yaml, if the load lay on the taxel itself:", as_rig_yaml(dict(lines)).rstrip()]
     told = [w for w in _sources(recordings)["warnings"] if what != CALIBRATION or UNCALIBRATED not in w]  # which is what is asked for
     return out + [f"note: {w}" for w in told]
 
@@ -75,7 +83,8 @@ def _prony(recordings: Sequence[Recording], out: str | None, arms: int | None) -
 
 def _spectrum(recordings: Sequence[Recording], fit: PronyFit) -> list[str]:
     """One row per channel, one column per arm."""
-    out = [f"relaxation spectrum, {counted(len(fit.arms), 'arm')}: {_of(recordings)}"]
+    doubt = ", none of which is sure to be relaxation" * (NO_RELAXATION in fit.warnings)
+    out = [f"relaxation spectrum, {counted(len(fit.arms), 'arm')}{doubt}: {_of(recordings)}"]
     heads = ["b N*s/m", "k at rest N/m", *(f"k of arm {i + 1} N/m" for i in range(len(fit.arms)))]
     out.append(f"  {'':<10}" + "".join(f"{head:>{WIDE}}" for head in heads))
     if fit.arms:

@@ -12,17 +12,21 @@ import numpy as np
 from skin_ident.cli import common
 from skin_ident.cli.diagnose import progress_line, write
 from skin_ident.criticism.sessions.session import prepare
+from skin_ident.criticism.vocabulary import word_of
 from skin_ident.hiding.drawing import ANYTHING, check_cause, draw
 from skin_ident.hiding.errors import HidingError
 from skin_ident.hiding.simulated_rig import SimulatedRig, varied
 from skin_ident.hiding.writing import check_free, write_recordings
 from skin_ident.recordings.load import load_one
 from skin_ident.recordings.recording import Recording
+from skin_ident.report.numbers import amount
 from skin_ident.report.terminal import summary
 from skin_ident.separating.loop import Course, Record, until_named
+from skin_models.effect import Effect
 from skin_models.materials import material
 from skin_models.model import Model
 from skin_models.model_file import load_model, save_model
+from skin_models.parameter import parameters_of
 from skin_models.words import counted
 from skin_motion_profiles.profile_file import entry_from_words
 
@@ -59,7 +63,8 @@ def _main(arguments: Sequence[str] | None) -> int:
     if not chosen.live:
         write_recordings(list(course.recordings), folder / "recordings")
     common.clear_line()
-    print(f"{summary(course.outcome.findings)}\n\n{_account(course, fixed, chosen.fixed)}\nreport: {folder / 'report.html'}")
+    account = f"{_account(course, fixed, chosen.fixed)}\n{_truth(specimen, course)}"
+    print(f"{summary(course.outcome.findings)}\n\n{account}\nreport: {folder / 'report.html'}")
     return 0
 
 
@@ -101,9 +106,34 @@ def _account(course: Course, fixed: Course, name: str) -> str:
     longer = course.seconds - fixed.seconds
     compared = f"\nthe loop recorded {longer:.0f} s more than the fixed battery" if longer > 0.0 else ""
     return (
-        f"{counted(n, 'experiment')}, {course.seconds:.0f} s of recording, left: {last.words}\n"
-        f"the fixed battery {name}, {fixed.seconds:.0f} s of recording, left: {other.words}{compared}"
+        f"{counted(n, 'experiment')}, {course.seconds:.0f} s of recording, named: {last.words}\n"
+        f"the fixed battery {name}, {fixed.seconds:.0f} s of recording, named: {other.words}{compared}"
     )
+
+
+def _truth(specimen: Model, course: Course) -> str:
+    """What was hidden in the specimen, and whether it was named, a line for each effect."""
+    said = [_one_truth(effect, course.steps[-1].left) for effect in specimen.effects]
+    none = "was" if course.steps[-1].left else "was not"
+    return "\n".join(said) or f"hidden in the specimen: nothing; something {none} named"
+
+
+def _one_truth(effect: Effect, left: tuple[tuple[str, ...], ...]) -> str:
+    name, alone = _placed(effect), [names for names in left if len(names) == 1]
+    verdict = (
+        "it was named"
+        if (name,) in alone
+        else "it is among the names that are left"
+        if any(name in n for n in left)
+        else "it was not named"
+    )
+    sizes = ", ".join(f"{p.name} {amount(p.value, p.unit)}" for p in parameters_of(effect) if p.value)
+    return f"hidden in the specimen: {name} ({sizes}); {verdict}"
+
+
+def _placed(effect: Effect) -> str:
+    """An effect in the words of the steps of a course."""
+    return f"{effect.cause} in the {word_of(effect.where)}"
 
 
 def _parser() -> argparse.ArgumentParser:

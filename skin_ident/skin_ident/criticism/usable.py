@@ -14,7 +14,7 @@ from skin_ident.criticism.pattern import listed
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.telemetry.more_than_applied import in_newtons
 from skin_ident.criticism.telemetry.still import is_still
-from skin_ident.quality import FAR_TOO_MUCH, HARD, SOFT, far_too_little, impossible
+from skin_ident.quality import FAR_TOO_MUCH, HARD, SOFT, far_too_little, impossible, most_felt, too_little
 from skin_ident.recordings.assemble import slow
 from skin_ident.recordings.repeated import same
 from skin_models.model import Model
@@ -70,7 +70,8 @@ def are_other_data(recordings: list, hold_out: list) -> None:
 
 
 def in_sound_units(recordings: list, model: Model | None = None, twins: list | None = None) -> list:
-    """The recordings, with a warning where all taxels feel next to nothing. Raises `DiagnosisError` for sizes that only a wrong unit gives.
+    """The recordings, with a warning where all taxels feel next to nothing, or in no session clearly more. Raises `DiagnosisError` for
+    sizes that only a wrong unit gives.
 
     Not for taxels in counts, which have no unit that could be wrong, nor if the given model, or a twin, is itself of such a size, since
     then the size is intended.
@@ -80,7 +81,9 @@ def in_sound_units(recordings: list, model: Model | None = None, twins: list | N
     for r in () if known else recordings:
         if said := impossible(r, asked):
             raise DiagnosisError(f"{r.name}: {said}")
-    return [r.warned(said) if (said := far_too_little(r, asked)) else r for r in recordings]
+    doubted = [r.warned(said) if (said := far_too_little(r, asked)) else r for r in recordings]
+    faint = too_little(max(most_felt(r, asked) for r in recordings))  # in one session alone the plunger may be far from every taxel
+    return warned_first(doubted, [faint]) if faint else doubted
 
 
 def _is_of_no_skin(model: Model) -> bool:

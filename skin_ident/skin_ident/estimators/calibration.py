@@ -12,6 +12,7 @@ from skin_ident.estimators.regression import Block, regress
 from skin_ident.recordings.recording import Recording
 
 ALL = np.ones(1)  # no low-pass
+SUNK, FELT = 0.1e-3, 0.02  # m that a plunger moves in skin and not on a bare taxel, while there is more than this share of the load
 LEAST_RANGE = 5.0  # times the residual's rms: the load must make y vary by more than this
 
 
@@ -49,11 +50,32 @@ def calibrate(recordings: Sequence[Recording]) -> dict[str, Line]:
     first = recordings[0]
     names = [n for n, unit in zip(first.taxel_names, first.taxel_units, strict=True) if unit == "V"]
     if not names:
-        raise FitError(f"{first.name} has no taxel in volts: there is nothing to calibrate")
+        done = f": rig.yaml calibrates {', '.join(first.declared.calibration)} already, take that out first" * bool(
+            first.declared.calibration
+        )
+        raise FitError(f"{first.name} has no taxel in volts{done or ': there is nothing to calibrate'}")
     for r in recordings:
         if r.force is None or not set(names) <= set(r.taxel_names):
             raise FitError(f"{r.name} lacks a load cell, or one of {', '.join(names)}: a calibration needs both together")
     return {n: fit_line([r.taxels[r.taxel_names.index(n)] for r in recordings], [r.force for r in recordings]) for n in names}
+
+
+def direct_load(recordings: Sequence[Recording]) -> list[str]:
+    """A warning that a calibration holds for the bare taxel only; through skin the load cell feels what goes round the taxel, too."""
+    bare = "lay a known load on the bare taxel for its own slope"
+    deep = max((_sunk(r) for r in recordings), default=0.0)
+    if deep < SUNK:
+        return [f"through skin the slope holds the share of the load that goes round the taxel, too: {bare}"]
+    return [
+        f"the plunger goes {1e3 * deep:.2g} mm deep while it presses, as through skin: part of the load then goes round the taxel, and the "
+        f"slope is too large by that part; {bare}"
+    ]
+
+
+def _sunk(r: Recording) -> float:
+    """How far the plunger moves while the load cell feels it, m; 0 where no depth was recorded."""
+    felt = r.force > FELT * r.force.max()
+    return float(np.ptp(r.depth[felt])) if r.depth is not None and felt.any() else 0.0
 
 
 def stiffness(recordings: Sequence[Recording]) -> dict[str, Line]:

@@ -17,6 +17,7 @@ import numpy as np
 from skin_ident.estimators.converter import with_steps
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import Estimate, Residual, complaints
+from skin_ident.estimators.left_over import left_over
 from skin_ident.estimators.regression import Block, Regression, regress
 from skin_ident.estimators.robust import CLOSE, LINEAR, Tamed, noted, tamed
 from skin_ident.estimators.sessions import Session, prepare
@@ -30,6 +31,7 @@ from skin_models.signals import Motion
 
 FREE = "free"
 FAINT = 0.02  # share that the noise of a taxel far from the plunger may produce, with either sign
+LACKING = "the plain model lacks something, so that values and intervals do not hold; run diagnose on these recordings to see what"
 ROBUST_ROUNDS = 20  # of a robust loss, at most
 ROUNDS = 10  # at most, until the contact samples no longer change
 
@@ -78,6 +80,9 @@ def fit_dispersion(
     known = with_steps(sessions, regression, blocks, said(sessions, shape, regression), [t.rows for t in held] or None)
     if held:
         to_theta = to_theta / np.concatenate([np.full(c.size, t.slope) for c, t in zip(regression.coefficients, held, strict=True)])
+    left = left_over(channel_names(shape), regression, blocks, list(zip(*(s.raw for s in sessions), strict=True)), -1)
+    if left and left.lacking:
+        warnings = (*warnings, f"{left.words}: {LACKING}")
     more = noted(loss, dict(zip(channel_names(shape), held, strict=False)))
     method += "" if loss == LINEAR else f", {loss} loss"
     return _estimate(method, sessions, shape, regression, theta, to_theta @ known @ to_theta.T, warnings, more)

@@ -16,15 +16,19 @@ import numpy as np
 from scipy.optimize import minimize
 
 from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.left_over import left_over
 from skin_ident.estimators.regression import Block, Regression, regress
 from skin_ident.estimators.sessions import Session, prepare
 from skin_ident.recordings.recording import Recording
+from skin_ident.stretches import runs
 from skin_models.dispersion import Dispersion
 from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.model import Model
 
 MOST = 4  # arms
 APART = 2.0  # least ratio of two neighbouring times
+RESTS = 0.02  # share of the highest speed below which the plunger rests
+SHORTEST = 0.5  # s, shortest rest that is called a hold
 SURE = 2.0  # standard errors by which times and stiffnesses must differ from zero
 NO_RELAXATION = (
     "no relaxation can be told from these data: of every arm the time is less sure than half its size, or a stiffness is negative or not "
@@ -141,7 +145,7 @@ def _stretch(s: Session, tau: float) -> np.ndarray:
 
 
 def _result(sessions, names, taus: np.ndarray, limits, warnings: tuple[str, ...]) -> PronyFit:
-    fit = regress(_blocks(sessions, names, taus))
+    fit, doubt = regress(_blocks(sessions, names, taus)), _doubt(sessions, names, taus)
     k = np.array([c[2:] for c in fit.coefficients])
     std = _split_std(fit, 2 + taus.size)
     tau_std = _tau_std(sessions, names, taus, k)
@@ -149,12 +153,13 @@ def _result(sessions, names, taus: np.ndarray, limits, warnings: tuple[str, ...]
         Arm(float(tau), float(tau_std[i]), {n: (float(k[c, i]), float(std[c][2 + i])) for c, n in enumerate(names)})
         for i, tau in enumerate(taus)
     )
+    like = "which no skin is" if doubt else "as a sensor's lag is"
     notes = [f"the arm of {a.tau:.3g} s is as long as the recording: its time is not known" for a in arms if a.tau > 0.8 * limits[1]]
-    notes += [
-        f"{n}: the arm of {a.tau:.3g} s is negative, as a sensor's lag is" for a in arms for n, (v, s) in a.stiffness.items() if v < -2 * s
-    ]
+    notes += [f"{n}: the arm of {a.tau:.3g} s is negative, {like}" for a in arms for n, (v, s) in a.stiffness.items() if v < -2 * s]
     if arms and not any(map(_relaxes, arms)):
         notes.append(NO_RELAXATION)
+    else:
+        notes += _from_motion(sessions, taus)
     pairs = list(zip(names, fit.coefficients, std, strict=True))
     return PronyFit(
         arms=arms,
@@ -162,8 +167,38 @@ def _result(sessions, names, taus: np.ndarray, limits, warnings: tuple[str, ...]
         stiffness={n: (float(c[1]), float(s[1])) for n, c, s in pairs},
         rmse={n: float(np.sqrt(np.mean(np.concatenate(e) ** 2))) for n, e in zip(names, fit.residuals, strict=True)},
         model=_model(names, fit.coefficients, taus),
-        warnings=(*warnings, *notes),
+        warnings=(*warnings, *notes, *doubt),
     )
+
+
+def _doubt(sessions: list[Session], names: list[str], taus: np.ndarray) -> list[str]:
+    """A warning where arms leave far more than noise: then they stand for what the model lacks, whatever it is."""
+    if not taus.size:
+        return []
+    measured = list(zip(*(s.raw for s in sessions), strict=True))
+    without, left = (left_over(names, regress(b), b, measured, 1) for b in (_blocks(sessions, names, t) for t in (np.empty(0), taus)))
+    if left is None or not left.lacking:
+        return []
+    said = f"{left.words}; without arms it is {without.times:.0f} times"
+    return [f"{said}: these arms may be no relaxation but stand for what the model lacks; run diagnose to see what"]
+
+
+def _from_motion(sessions: list[Session], taus: np.ndarray) -> list[str]:
+    """A warning where no hold is as long as the longest arm: curvature, hysteresis or a lag can pass for an arm while the plunger moves."""
+    longest = max(map(_hold, sessions))
+    if not taus.size or longest >= taus[-1]:
+        return []
+    said = f"the longest hold lasts {longest:.2g} s" if longest >= SHORTEST else "these are no holds"
+    return [
+        f"{said}: the arm of {taus[-1]:.3g} s is told by the motion alone, where a bent spring, hysteresis or a lag looks like relaxation; "
+        "record holds of some ten seconds after quick ramps"
+    ]
+
+
+def _hold(s: Session) -> float:
+    """The longest time (s) in contact during which the plunger rests."""
+    still = (np.abs(s.motion.v) < RESTS * np.abs(s.motion.v).max()) & (s.motion.x > 0.0)
+    return s.motion.dt * max((stop - start for start, stop in zip(*runs(still), strict=True)), default=0)
 
 
 def _relaxes(arm: Arm) -> bool:

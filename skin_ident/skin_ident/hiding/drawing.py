@@ -1,5 +1,8 @@
 """Which effect to hide: its cause, place and form, drawn at random where they are left open."""
 
+from collections.abc import Iterable
+from difflib import get_close_matches
+
 import numpy as np
 
 from skin_ident.criticism.search.proposals import places_of
@@ -20,9 +23,19 @@ KEPT = {"outliers": ("rate",), "dead_taxel": ("lost",)}  # amplitudes that are n
 
 
 def check_cause(cause: str) -> None:
-    """Raises `HidingError` for a word that is no cause of the vocabulary. Whether a recording can carry the cause is not checked here."""
-    if cause != ANYTHING and cause not in BY_NAME:
-        raise HidingError(f"{cause!r} is no cause; choose from {', '.join(sorted(BY_NAME))}")
+    """Raises `HidingError` for a word that is no cause of the vocabulary, or a cause that no effect makes. Whether a recording can carry
+    the cause is not checked here."""
+    able = {cls.cause for cls in effects()} & set(BY_NAME)
+    if cause != ANYTHING and cause not in able:
+        raise HidingError(refused(cause, able))
+
+
+def refused(cause: str, able: Iterable[str], here: str = "") -> str:
+    """Why a cause that is not among those that can be hidden (`here`) is refused, and what may be meant."""
+    if cause in BY_NAME:
+        return f"{cause!r} is in the vocabulary, but cannot be hidden{here}; choose from {', '.join(sorted(able))}"
+    near = get_close_matches(cause, able, 1)
+    return f"{cause!r} is no cause{f' (did you mean {near[0]}?)' if near else ''}; choose from {', '.join(sorted(able))}"
 
 
 def hideable(session: Session) -> dict[str, list[tuple[type[Effect], str]]]:

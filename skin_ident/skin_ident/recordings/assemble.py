@@ -1,6 +1,6 @@
 """From named channels on one clock to a `Recording`: calibration, dead taxels, and checks of signs and sizes."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import compress, count
 from typing import Any
@@ -68,17 +68,19 @@ def assemble(
     warnings: tuple[str, ...] = (),
     keep: bool = False,
     mended: tuple[Mended, ...] = (),
+    volts: str = "",
 ) -> Recording:
     """One recording from channels that share the stamps `t` (N,) s, resampled evenly, unless `keep` leaves the stamps as they are. `mended`
-    says what was repaired in the stamps of each topic before.
+    says what was repaired in the stamps of each topic before; `volts` says how taxels are read in volts, where they are in newtons.
 
     Raises `RecordingError`.
     """
     notes: list[str] = [*declared.warnings, *warnings]
+    unused = list(_unused(declared, parts, volts))
     parts = [p for part in parts for p in _calibrated(t, _live(part, notes), declared, notes) if p.names]
     _some_alive(name, parts)
     _some_numbers(name, parts)
-    _note_unused(declared, parts, notes)
+    notes += unused
     if not parts:
         raise RecordingError(f"{name} has neither depth nor force nor taxels")
     whole = all(all_finite(p.rows) for p in parts)
@@ -197,10 +199,19 @@ def _in_newtons(t: np.ndarray, one: Channels, c: Calibration, notes: list[str]) 
     return Channels(kind, (meaning,), "N", c.slope_n_per_v * (volts - zero), steps, one.digits, read, dead)
 
 
-def _note_unused(declared: Declared, parts: list[Channels], notes: list[str]) -> None:
-    used = {n for p in parts for n in p.names if p.unit == "N"}
-    unused = [n for n, c in declared.calibration.items() if (c.channel or n.removesuffix("_V")) not in used]
-    notes += [f"rig.yaml calibrates {n}, which is not a channel in volts here" for n in unused]
+def _unused(declared: Declared, parts: Sequence[Channels], volts: str) -> Iterator[str]:
+    """A warning for every calibration that nothing is read with. Newtons are not calibrated again: who made them had a calibration."""
+    known = {n: (p.unit, p.kind) for p in parts for n in p.names}
+    for name, c in declared.calibration.items():
+        found = [known[n] for n in (name, name.removesuffix("_V"), c.channel) if n in known]
+        units, kinds = zip(*found, strict=True) if found else ((), ())
+        if "V" in units:
+            continue
+        if "N" not in units:
+            yield f"rig.yaml calibrates {name}, which is not a channel in volts here"
+            continue
+        done = f"rig.yaml calibrates {name}, which is in newtons here already: its entry is not used"
+        yield done + (f"; with {volts} the volts are read, and it is" if volts and "taxel" in kinds else "")
 
 
 def _plausible(r: Recording) -> Recording:

@@ -68,7 +68,15 @@ def read_bag(
         Channels(KINDS[role][0], _named(role, rows, names), found[role].unit or KINDS[role][1], rows, *read)
         for role, (rows, *read) in aligned.items()
     ]
-    return assemble(path.name, t, channels, declared, tuple(warnings), keep, tuple(track.mended for track in tracks.values()))
+    return assemble(
+        path.name, t, channels, declared, tuple(warnings), keep, tuple(track.mended for track in tracks.values()), _volts(chosen)
+    )
+
+
+def _volts(chosen: Chosen) -> str:
+    """The option with which the taxels are read in volts; empty where their topic has none."""
+    topic = chosen["taxels"][0] if "taxels" in chosen else None
+    return f"--topics taxels={topic.name}{OF_ITS}voltage" if topic and "voltage" in decode.VALUES[topic.short] else ""
 
 
 def _read(

@@ -47,6 +47,7 @@ HIDEABLE = {  # without zero offsets of sensors: the tare removes them
 SCREW = (
     "\n        (the screw of the simulated rig puts the plunger up to 2.5 µm beside what its encoder reads: the same as a zero of depth)"
 )
+UNCHANGED = "    (nothing was added to the model: before and after are the same one, fitted twice, and what differs here is no gain)"
 NOTHING = "none"
 SECRET = "secret_specimen.yaml"
 SESSIONS = 3
@@ -82,6 +83,8 @@ def _main(arguments: Sequence[str] | None) -> int:
     print(summary(outcome.findings))
     tell("running the simulated skin beside the rig, with the model before and after")
     print(live_comparison(folder, seed, tell))
+    if outcome.model is not None and not outcome.model.effects:
+        print(UNCHANGED)
     print(answer(hidden, outcome.findings))
     print(f"\nlook at  {folder / 'before_after.png'}\nread     {folder / 'report.html'}")
     print(f"use      ./skin run skin_models skin_node --ros-args -p model:={folder.resolve() / 'model.yaml'}")
@@ -162,15 +165,16 @@ def _samples(reader: AnyReader, who: str) -> dict[tuple[int, int], np.ndarray]:
 
 
 def answer(hidden: Effect | None, findings: dict) -> str:
-    """What was hidden, against what was found; and how large, where both have the same parameters. A zero of depth is not hidden, but the
-    rig may have one."""
+    """What was hidden, against what was found, with its rivals; and how large, where both have the same parameters. A zero of depth is not
+    hidden, but the rig may have one."""
     own = {p.name: p for p in parameters_of(hidden) if p.value} if hidden else {}
     keys, sizes, found = [(f["cause"], f["where"]) for f in findings["findings"]], [], []
     for key, f in zip(keys, findings["findings"], strict=True):
         same = {n: q for n, q in f["parameters"].items() if n in own and key == hidden.key}
         like = {n: [own[n].value, q["value"]] for n, q in same.items()}
         sizes += [f"{n} {amount(own[n].value, own[n].unit, like=like[n])}" for n in same]
-        found.append(_at(*key, [f"{n} {amount(q['value'], q['unit'], q['std'], like[n])}" for n, q in same.items()]))
+        named = _at(*key, [f"{n} {amount(q['value'], q['unit'], q['std'], like[n])}" for n, q in same.items()])
+        found.append(" or ".join([named, *(_at(a["cause"], a["where"]) for a in f["alternatives"])]))
     said = f"\nhidden: {_at(*hidden.key, sizes) if hidden else 'nothing'}\nfound:  {', '.join(found) or 'nothing'}"
     return said + (SCREW if ZERO_OF_DEPTH in keys else "")
 

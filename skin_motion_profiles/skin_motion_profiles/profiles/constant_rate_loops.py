@@ -6,7 +6,7 @@ from itertools import product
 from typing import ClassVar
 
 from skin_motion_profiles.fields import numbers, whole
-from skin_motion_profiles.profile import Moving, depth, seconds
+from skin_motion_profiles.profile import Moving, check_presses, depth, seconds
 from skin_motion_profiles.trajectory import Piece
 
 
@@ -22,6 +22,10 @@ class ConstantRateLoops(Moving):
     base_mm: float = depth("the other turning point", 0.0)
     cycles: int = whole("loops of each depth and speed", 2, lower=1, upper=100000)
     rest_s: float = seconds("at the base between two speeds", 0.0)
+
+    def check(self) -> None:
+        """Raise `ProfileError` where it goes up into the air."""
+        check_presses(self.label, "depths_mm", self.depths_mm, self.base_mm)
 
     def pieces(self, start: float) -> Iterable[Piece]:
         """Triangles, the speeds of one depth before the next depth; `start` does not matter."""

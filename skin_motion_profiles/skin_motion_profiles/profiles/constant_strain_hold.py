@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from skin_motion_profiles.errors import ProfileError
 from skin_motion_profiles.fields import number, numbers
-from skin_motion_profiles.profile import Moving, depth, seconds, speed
+from skin_motion_profiles.profile import Moving, check_presses, depth, seconds, speed
 from skin_motion_profiles.trajectory import Piece
 
 
@@ -26,11 +26,12 @@ class ConstantStrainHold(Moving):
     rest_s: float = seconds("at the base after every hold, for the skin to recover", 5.0)
 
     def check(self) -> None:
-        """Raise `ProfileError` unless there are depths, or strains with a thickness."""
+        """Raise `ProfileError` unless there are depths, all into the skin, or strains with a thickness."""
         if (self.depths_mm is None) == (self.strains is None):
             raise ProfileError(f"{self.label} needs either depths_mm or strains, and not both")
         if (self.strains is None) != (self.thickness_mm is None):
             raise ProfileError(f"{self.label}: strains and thickness_mm belong together")
+        check_presses(self.label, "depths_mm", self.depths_mm or (), self.base_mm)
 
     def pieces(self, start: float) -> Iterable[Piece]:
         """Down, hold, back and rest for every depth, strain times thickness; `start` does not matter."""

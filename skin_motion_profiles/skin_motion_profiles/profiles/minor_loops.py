@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from skin_motion_profiles.fields import numbers
-from skin_motion_profiles.profile import Moving, depth, speed
+from skin_motion_profiles.profile import Moving, check_presses, depth, speed
 from skin_motion_profiles.trajectory import Piece
 
 
@@ -24,6 +24,10 @@ class MinorLoops(Moving):
     returns_mm: tuple[float, ...] = numbers("mm, depths at which the minor loops turn", ..., lower=-150.0, upper=150.0)
     base_mm: float = depth("least depth", 0.0)
     speed_mm_s: float = speed()
+
+    def check(self) -> None:
+        """Raise `ProfileError` where it goes up into the air."""
+        check_presses(self.label, "depth_mm", (self.depth_mm,), self.base_mm)
 
     def pieces(self, start: float) -> Iterable[Piece]:
         """The minor loops at the greatest depth within the major loop, then those at the base; `start` does not matter."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from skin_motion_profiles.fields import whole
-from skin_motion_profiles.profile import Moving, depth, seconds, speed
+from skin_motion_profiles.profile import Moving, check_presses, depth, seconds, speed
 from skin_motion_profiles.trajectory import Piece
 
 
@@ -22,6 +22,10 @@ class RepeatedStep(Moving):
     speed_mm_s: float = speed(default=10.0)
     hold_s: float = seconds("at the depth of the step", 1.0)
     rest_s: float = seconds("at the base after every step", 1.0)
+
+    def check(self) -> None:
+        """Raise `ProfileError` where it goes up into the air."""
+        check_presses(self.label, "depth_mm", (self.depth_mm,), self.base_mm)
 
     def pieces(self, start: float) -> Iterable[Piece]:
         """Down, hold, back and rest, again and again; `start` does not matter."""

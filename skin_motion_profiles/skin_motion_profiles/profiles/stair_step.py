@@ -6,7 +6,7 @@ from itertools import chain, pairwise
 from typing import ClassVar
 
 from skin_motion_profiles.fields import whole
-from skin_motion_profiles.profile import Moving, depth, seconds, speed
+from skin_motion_profiles.profile import Moving, check_presses, depth, seconds, speed
 from skin_motion_profiles.trajectory import Piece
 
 
@@ -22,6 +22,10 @@ class StairStep(Moving):
     steps: int = whole("steps down, and as many up", 5, lower=1, upper=10000)
     speed_mm_s: float = speed()
     hold_s: float = seconds("on every step", 1.0)
+
+    def check(self) -> None:
+        """Raise `ProfileError` where it goes up into the air."""
+        check_presses(self.label, "depth_mm", (self.depth_mm,), self.base_mm)
 
     def pieces(self, start: float) -> Iterable[Piece]:
         """Line and hold for every step, down and back up; `start` does not matter."""

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skin_motion_profiles.profile import Moving, depth, seconds, speed
+from skin_motion_profiles.profile import Moving, check_presses, depth, seconds, speed
 from skin_motion_profiles.trajectory import Piece
 
 
@@ -20,6 +20,10 @@ class Step(Moving):
     speed_mm_s: float = speed(default=10.0)
     hold_s: float = seconds("at the depth of the step", 2.0)
     rest_s: float = seconds("at the base before and after", 0.5)
+
+    def check(self) -> None:
+        """Raise `ProfileError` where it goes up into the air."""
+        check_presses(self.label, "depth_mm", (self.depth_mm,), self.base_mm)
 
     def pieces(self, start: float) -> Iterable[Piece]:
         """Rest, down, hold, back, rest; `start` does not matter."""

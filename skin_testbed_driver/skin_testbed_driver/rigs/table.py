@@ -25,13 +25,15 @@ def read_table(path: str | os.PathLike) -> Recorded:
 def write_table(path: str | os.PathLike, recorded: Recorded) -> int:
     """Write `recorded` with tabs between its columns, a row for every sample of depth, and return how many rows that is.
 
-    Force and taxels that were sampled at other times are interpolated; nan is unknown. Depths are written to the picometre,
+    Samples of depth before the first of force and taxels, or after their last, are left out: readers would take them for a gap. Force and
+    taxels that were sampled at other times are interpolated; nan is unknown. Depths are written to the picometre,
     forces to the nanonewton. Raises `RigError` where `path` exists or cannot be written; then nothing is left there.
     """
-    t, path = recorded.depth.t, Path(path)
+    whole, path = _common(recorded), Path(path)
+    t, depth = recorded.depth.t[whole], recorded.depth.values[whole]
     force, taxels = recorded.force.at(t), recorded.taxels.at(t)
     titles = ["t_s", "x_mm", "force_n", *(f"taxel_{i}_n" for i in range(taxels.shape[1]))]
-    columns = np.round(np.column_stack([t - t[0], 1e3 * recorded.depth.values, force, taxels]), 9)
+    columns = np.round(np.column_stack([t - t[0], 1e3 * depth, force, taxels]), 9)
     lines = ["\t".join(titles), *("\t".join(map(repr, row)) for row in columns.tolist())]
     if path.exists():
         raise RigError(f"{path} exists already: choose another name, nothing is overwritten")
@@ -41,6 +43,13 @@ def write_table(path: str | os.PathLike, recorded: Recorded) -> int:
     except OSError as error:
         raise RigError(f"cannot write the table {path}: {error.strerror}") from error
     return t.size
+
+
+def _common(recorded: Recorded) -> np.ndarray:
+    """A mask (N,) of the samples of depth at which all signals were recorded; all samples, where there are none."""
+    t, others = recorded.depth.t, [track for track in (recorded.force, recorded.taxels) if track.values.size]
+    common = (t >= max(track.t[0] for track in others)) & (t <= min(track.t[-1] for track in others))
+    return common if common.any() else np.ones(t.size, bool)
 
 
 def _recorded(path: str, table: tables.Table) -> Recorded:
