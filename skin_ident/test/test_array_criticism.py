@@ -89,6 +89,17 @@ def test_a_block_that_was_written_twice_is_left_out_of_the_ratios(tmp_path):
     assert {f["cause"] for f in findings} == {"data_error", "spread_width"}
 
 
+@pytest.mark.parametrize(("size", "also"), [(1.0, {("gain_error", "taxel_2")}), (None, set())], ids=["a gain", "nothing else"])
+def test_beside_a_dead_taxel_the_others_are_judged(tmp_path, size, also):
+    hidden = ("gain_error", "static", "taxel_2", size) if size else ()
+    recordings = record_at(tmp_path, (*ALONG, (2, 0)), *hidden, seed=2, taxels=4, careful=True, **SHORT)
+    living = np.array([0.0, 1.0, 1.0, 1.0])[:, None]
+    findings = found([replace(r, taxels=np.where(r.t > 5.0 * (i == 0), living, 1.0) * r.taxels) for i, r in enumerate(recordings)])
+    assert set(names(findings)) == {("dead_taxel", "taxel_0"), *also}
+    assert ("gain_error", "taxel_0") not in {(e["cause"], e.get("where")) for e in findings["excluded"]}
+    assert also or any(e["cause"] == "gain_error" and e.get("where") == "taxel_2" and "limited_by" in e for e in findings["excluded"])
+
+
 @pytest.mark.parametrize(("times", "recognised"), [(2**-0.5, True), (0.6, False)])
 def test_a_standard_deviation_that_was_declared_as_the_width_is_recognised(tmp_path, times, recognised):
     recordings = record_at(tmp_path, (*ALONG, (2, 0)), seed=2, careful=True, **SHORT)

@@ -211,3 +211,14 @@ def test_of_gains_whose_mean_is_the_stiffness_one_fewer_is_charged():
     ground = _ground(PLAIN, sessions, noise, some)
     gains, zeros = (_run(Course(carrier, CONSTANT, (0,), "load_cell"), ground) for carrier in (SLOPE, ZERO))
     assert gains.charge == pytest.approx(2.0 / 3.0 * zeros.charge)
+
+
+def test_a_taxel_that_nothing_loads_has_no_gain():
+    silent = replace(PLAIN, shares=(0.0,))
+    s = prepare(recorded(silent))
+    noise = fit_whitener([residual(silent, s)], [s])
+    some = basis(stack([np.zeros((1, *s.measured.shape))], [s], noise))
+    assert (
+        _run(Course(SLOPE, CONSTANT, (1,), "taxel"), _ground(silent, [s, replace(s, name="b")], noise, np.concatenate([some, some]))).score
+        == 0.0
+    )

@@ -22,6 +22,7 @@ from skin_models.dispersion import Dispersion
 from skin_models.effect import Effect
 from skin_models.effects.hysteresis import LaggingHysteresis, SensorHysteresis
 from skin_models.effects.nonlinear_stiffness import Densification
+from skin_models.effects.position_offset import PositionOffset
 from skin_models.effects.saturation import Saturation
 from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.model import Model
@@ -126,6 +127,17 @@ def test_skin_that_softens_beside_its_taxels_is_a_ceiling_of_the_load_cell(sense
     skin = tried(Densification("skin", k_sensed=sensed, k_dispersed=-100.0, onset=2e-3), 100.0, std)
     sensor = tried(Saturation("load_cell", level=3.0), load_cell)
     assert likelier_place([skin, sensor]) == [sensor] * first
+
+
+@pytest.mark.parametrize(
+    ("onset", "zero", "first"),
+    [(2e-5, 96.0, True), (2e-5, 80.0, False), (2e-4, 96.0, False)],
+    ids=["at the surface", "a zero explains too little", "well below"],
+)
+def test_skin_that_has_stiffened_at_its_surface_is_a_zero_of_depth(onset: float, zero: float, first: bool):
+    skin = tried(Densification("skin", k_sensed=-900.0, k_dispersed=-300.0, onset=onset), 100.0)
+    offset = tried(PositionOffset("rig", offset=5e-6), zero)
+    assert likelier_place([skin, offset]) == [offset] * first
 
 
 @pytest.mark.parametrize(("form", "sensor"), [(LaggingHysteresis, ("hysteresis", "load_cell")), (StressRelaxation, ("drift", "load_cell"))])

@@ -145,3 +145,13 @@ def test_a_tone_of_some_sessions_is_told_with_them():
     assert some.evidence["only_in"] == ["session_2", "session_4"] and "in session_2 and session_4" in some.evidence["why"]
     assert all(abs(s.evidence["lines"][0] - 31.3) < 0.1 for s in (some, every)) and "only_in" not in every.evidence
     assert not seen({2}), "one session alone may do anything"
+
+
+@pytest.mark.parametrize(("hum", "found"), [(0.003, True), (0.0, False)])
+def test_a_tone_of_two_sessions_may_be_less_clear_in_one_of_them(hum, found):
+    """More is wrong with the second session, which hides most of a tone that the first one shows."""
+    t, seen = 0.01 * np.arange(4000), []
+    for seed in range(8):
+        rng, forces = np.random.default_rng(seed), [np.interp(t, 0.01 * np.arange(1000), corners(2 * seed + k)) for k in range(2)]
+        seen.append(interference([e * rng.standard_normal(t.size) + hum * np.sin(2 * np.pi * 31.3 * t) for e in (0.005, 0.018)], forces))
+    assert sum(map(bool, seen)) >= 7 if found else not any(seen)

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.gains import Gains, gains
 from skin_ident.criticism.array.gate import held_out_gain
 from skin_ident.criticism.array.judgement import Judgement, judge, unlike
@@ -17,6 +18,7 @@ from skin_models.model import Model
 MOST = 0.67  # share of the mean-square error from wrong ratios that a cause must remove to be named
 FAR = 0.25  # relative error of the shares that no calibration error reaches,
 BEYOND = 5.0  # nor this many times the declared error of calibrations
+UNKNOWN = 100.0  # times the largest share, standard error of the share of a dead taxel
 DOUBTED = 0.1  # relative standard error added to the share of a taxel in which another fault was found
 BENDING = ("saturation", "dead_zone", "hysteresis", "lag", "gain_error", "drift", "crosstalk", "nonlinear_stiffness")
 
@@ -55,15 +57,22 @@ class ArrayCriticism:
 
 
 def analyse(
-    model: Model, layout: Layout, sessions: list[Session], held: list[int], noise: Whitener, doubted: list[int], thickness_mm: float | None
+    model: Model,
+    layout: Layout,
+    sessions: list[Session],
+    held: list[int],
+    noise: Whitener,
+    doubted: list[int],
+    thickness_mm: float | None,
+    dead: list[int] = (),
 ) -> ArrayCriticism:
     """Judge the shares of the training sessions under the extended `model`; `held` are indices of held-out sessions.
 
-    `doubted` are taxels in which another fault was found and whose share is less certain.
+    `doubted` are taxels in which another fault was found and whose share is less certain; of `dead` ones it is unknown.
     """
     if any(e.cause == "spread_depth" for e in model.effects):  # its initial width and its growth cannot be told apart
         layout = replace(layout, width_declared=False)
-    measured = with_scatter(_granted(gains(model, sessions, noise), doubted), layout)
+    measured = with_scatter(_granted(_without(dead, gains(model, sessions, noise), layout), doubted), layout)
     train = [i for i in range(len(sessions)) if i not in held]
     judgement = judge(layout.of(train), measured.of(train), thickness_mm)
     best = judgement.named
@@ -71,6 +80,20 @@ def analyse(
         return ArrayCriticism(layout, measured, judgement, None)
     gain, least = held_out_gain(model, layout, measured, sessions, held, noise, best)
     return ArrayCriticism(layout, measured, judgement, gain, least, unlike(layout.of(train), measured.of(train), judgement.nothing))
+
+
+def _without(dead: list[int], measured: Gains, layout: Layout) -> Gains:
+    """The shares as if nothing was known of dead taxels: they are put where the layout expects them, with an error larger than any
+    share."""
+    if not dead:
+        return measured
+    value, covariance, plain = measured.value.copy(), measured.covariance.copy(), Family(layout).shares({})
+    seen = np.delete(np.arange(value.shape[1]), dead)
+    level = np.sum(plain[:, seen] * value[:, seen], axis=1) / np.maximum(np.sum(plain[:, seen] ** 2, axis=1), 1e-300)
+    value[:, dead] = level[:, None] * plain[:, dead]
+    covariance[:, dead, :] = covariance[:, :, dead] = 0.0
+    covariance[:, dead, dead] = (UNKNOWN * np.abs(value).max()) ** 2
+    return replace(measured, value=value, covariance=covariance)
 
 
 def _granted(measured: Gains, doubted: list[int]) -> Gains:

@@ -1,6 +1,7 @@
 """The analysis of an array joined to the rest of the diagnosis."""
 
 from collections.abc import Container
+from dataclasses import replace
 from typing import Any
 
 from skin_ident.criticism.array.analysis import ArrayCriticism, analyse, doubted_taxels
@@ -8,11 +9,13 @@ from skin_ident.criticism.array.extending import unwritten
 from skin_ident.criticism.array.findings import entry, excluded, untestable
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.sentences import changing
+from skin_ident.criticism.baseline.residual import simulated
+from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telling.untold import is_untold
 from skin_ident.criticism.vocabulary import MORE_THAN_APPLIED, Key, revised
 from skin_models.model import Model
 
-SPOILT = ("dead_taxel", "data_error")  # causes with which no ratio can be judged
+FEWEST_ALIVE = 3  # taxels that must be left beside dead ones: of two, nothing says which is off
 APART = (
     "the gain from the ratios of the taxels is measured against the declared layout; baseline and extended model have a gain of their own "
     "for every taxel, so their errors do not show it"
@@ -26,19 +29,35 @@ def array_criticism(c: Any, layout: Layout | str, symptoms: tuple, recordings: l
     """
     if isinstance(layout, str):
         return layout
-    spoilt = [s for s in symptoms if s.cause in SPOILT and s.evidence.get("kind") != MORE_THAN_APPLIED and not _is_left_out(s)]
+    dead = sorted({int(channel.partition("_")[2]) for s in symptoms if s.cause == "dead_taxel" for channel in s.channels})
+    spoilt = [s for s in symptoms if _spoils(s, len(layout.taxels) - len(dead))]
     if spoilt:
         return f"{spoilt[0].cause} in {', '.join(spoilt[0].channels)}: so the ratios of the taxels say nothing"
-    sessions, thickness_mm = [*c.train, *c.held], recordings[0].declared.skin_thickness_mm
+    model, thickness_mm = c.extended.model, recordings[0].declared.skin_thickness_mm
+    sessions = [_but_for(dead, s, model) for s in (*c.train, *c.held)]
     if len(layout.contacts) != len(sessions):
         layout = layout.of([0] * len(sessions))
     indices = list(range(len(c.train), len(sessions)))
-    return analyse(c.extended.model, layout, sessions, indices, c.last.noise, doubted_taxels(c.named), thickness_mm)
+    return analyse(model, layout, sessions, indices, c.last.noise, doubted_taxels(c.named), thickness_mm, dead)
 
 
-def _is_left_out(s: Any) -> bool:
-    """Whether an error of the data concerns some samples alone, which are left out of everything."""
-    return s.cause == "data_error" and bool(s.bad)
+def _but_for(dead: list[int], s: Session, model: Model) -> Session:
+    """The session with dead taxels as the model has them, which says nothing of their shares. If their samples were left out, those of all
+    other channels at the same time would be left out, too."""
+    if not dead:
+        return s
+    own = [s.channels.index(f"taxel_{i}") for i in dead]
+    measured, weight = s.measured.copy(), s.weight.copy()
+    measured[own], weight[own] = s.band.thin(simulated(model, s)[own]), 1.0
+    return replace(s, measured=measured, weight=weight)
+
+
+def _spoils(s: Any, alive: int) -> bool:
+    """Whether no ratio can be judged beside a symptom: a dead taxel where too few are `alive`, or an error of the data, unless it concerns
+    some samples alone, which are left out of everything."""
+    if s.cause == "dead_taxel":
+        return alive < FEWEST_ALIVE
+    return s.cause == "data_error" and s.evidence.get("kind") != MORE_THAN_APPLIED and not s.bad
 
 
 def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model, seen: Container[Key] = ()) -> dict[str, Any]:

@@ -308,7 +308,7 @@ def _solve(course: Course, g: _Ground, moments: Moments, exactly: bool = False) 
     tare = g.tare(course)
     if tare:
         z = _as_tared(normal, z, tare.leaves)
-    numbers = 2 * np.count_nonzero(z) if steps else min(np.count_nonzero(z), np.linalg.matrix_rank(free))
+    numbers = 2 * np.count_nonzero(z) if steps else min(np.count_nonzero(z), np.linalg.matrix_rank(free) if free.size else 0)
     charge = np.log(max(normal.count, 2)) * numbers
     split = np.split(z, np.cumsum([len(own) for own in rows])[:-1])
     return dict(zip((s.name for s in g.sessions), split, strict=True)), normal.explained(z) - float(charge), float(charge)

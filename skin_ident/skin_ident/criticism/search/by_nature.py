@@ -43,6 +43,7 @@ AT_ONCE_S = 1.0  # s, time constant below which a drift is complete almost at on
 SENSED = 0.95  # share of a relaxing arm that is under the taxels, above which it counts as all of it
 UNTOLD = 0.97  # ratio of the load cell's squared residual with an effect to that without, above which the load cell does not show it
 MOST = 0.8  # share of the score of a loop in the skin that one in the load cell must explain: their forms differ
+AT_THE_SURFACE = 60e-6  # m, depth within which a skin that stiffens looks like one that begins deeper
 SURE = 2.0  # standard errors
 ALONE = 0.1  # ratio of what one kind of sensor feels of an effect to what the other feels, below which the other alone shows it
 SWALLOWED = {"skin": (DEAD_ZONE, "skin"), "taxel": (DEAD_ZONE, "taxel")}
@@ -195,14 +196,22 @@ def likelier_place(trials: list[Trial]) -> list[Trial]:
     - For a loop of the skin that the taxels surely do not feel: the loop of the load cell, if it explains most of it. No skin has a memory
       that bypasses the taxels alone.
     - For a skin that stiffens or softens beside its taxels alone: the load cell's ceiling, if it explains as much.
+    - For a skin that stiffens once and for all within a few micrometres: a zero of depth, if it explains as much.
     """
     best = trials[0] if trials else None
     if best and best.key[0] == DEAD_ZONE and best.key[1] != "taxel":
         return [t for t in trials if t.key == SWALLOWED["taxel"] and t.score > reach(best.score)]
     if best and best.key == HYSTERESIS and _beside_the_taxels(best):
         return [t for t in trials if t.key == LOOP_OF_LOAD_CELL and t.score > MOST * best.score]
-    ceilings = [t for t in trials if t.key == CEILING_OF_LOAD_CELL and t.score > reach(best.score)]
-    return ceilings if ceilings and best.key == STIFFER and _beside_the_taxels(best) else []
+    if not best or best.key != STIFFER:
+        return []
+    likelier = ((ZERO_OF_DEPTH, _at_the_surface), (CEILING_OF_LOAD_CELL, _beside_the_taxels))
+    return [t for key, is_so in likelier for t in trials if t.key == key and t.score > reach(best.score) and is_so(best)][:1]
+
+
+def _at_the_surface(trial: Trial) -> bool:
+    """Whether every instance of a stiffening has ended within a depth to which no zero is set."""
+    return all(getattr(e, "onset", np.inf) < AT_THE_SURFACE for e in trial.fit.model.having(trial.key))
 
 
 def _beside_the_taxels(trial: Trial) -> bool:

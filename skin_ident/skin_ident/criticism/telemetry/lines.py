@@ -24,6 +24,7 @@ from skin_models.words import counted
 
 CHANCE = 1e-4  # chance of one false line per channel
 TALLER = 3.0  # least height of a line, in units of what chance makes
+UNLIKE = 3.0  # times the smaller of two heights that a line in both may count as
 SEEN = 5.0  # least height over its background in more than `MOST_SESSIONS` of the sessions: a few motions may have the same speed
 MOST_SESSIONS = 2 / 3  # share of the sessions that may have a line of their motion
 DRIFT = 5  # bins by which a line may differ from session to session
@@ -149,7 +150,7 @@ def _lines(
     frequency = np.fft.rfftfreq(n, dt)
     width = np.mean(each, axis=0)
     near = [maximum_filter1d(row, DRIFT) for row in each]
-    ratio = np.median(near, axis=0) if len(rows) > 2 else np.min(each, axis=0)
+    ratio = np.median(near, axis=0) if len(rows) > 2 else _in_both(each)
     ratio[np.mean(np.array(near) > SEEN, axis=0) <= MOST_SESSIONS] = 0.0
     ratio, limit = ratio * _asked(n, dt), _by_chance(n, len(rows))
     lines = []
@@ -171,6 +172,13 @@ def _lines(
                 doubtful = True
         ratio[max(i - AROUND, 0) : i + AROUND + 1] = 0.0
     return lines
+
+
+def _in_both(each: list[np.ndarray]) -> np.ndarray:
+    """Height of the lines that both of two sessions have: the geometric mean, but at most `UNLIKE` times the smaller one. In one of them
+    the background may be the higher, because more is wrong with it. Of a lone session, its own heights."""
+    smaller, larger = np.min(each, axis=0), np.max(each, axis=0)
+    return np.minimum(np.sqrt(smaller * larger), UNLIKE * smaller)
 
 
 def _narrow(each: list[np.ndarray], i: int) -> bool:
