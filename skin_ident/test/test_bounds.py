@@ -10,7 +10,7 @@ from world.hidden import Hide
 from skin_ident.criticism.baseline.fitting import Fit
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.noise.whitening import white
-from skin_ident.criticism.search.bounds import HOLLOW, _imitated, excluded_and_untestable
+from skin_ident.criticism.search.bounds import HOLLOW, _imitated, excluded_and_untestable, raised
 from skin_ident.criticism.search.named import NotNamed
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.ranking import project, rank
@@ -136,6 +136,12 @@ def test_steps_are_excluded_from_where_their_levels_tell():
         {"cause": c, "where": w, "below": 1e-7} for c, w in (("quantization", "load_cell"), ("quantization", "rig"), ("drift", "load_cell"))
     ]
     assert [e["below"] for e in no_finer(entries, [record])] == pytest.approx([1.25 * 0.07, 1.25e-6, 1e-7])
+
+
+@pytest.mark.parametrize(("floor", "below", "least"), [(0.5, 9.0, 1.0), (2.0, 9.0, 2.0), (10.0, 10.0, None)])
+def test_what_raises_a_bound_raises_the_smallest_one_too(floor, below, least):
+    said = raised({"below": 9.0, "least": {"below": 1.0, "at": {}}}, floor)
+    assert said["below"] == below and said.get("least", {}).get("below") == least
 
 
 def test_every_form_that_the_model_imitates_is_left_open():

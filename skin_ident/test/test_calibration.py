@@ -69,7 +69,11 @@ def test_a_slope_through_skin_is_warned_of_and_compared_with_the_one_in_use(tmp_
 
 
 def test_bare_loads_are_told_from_presses_of_skin():
-    assert "through skin the slope holds" in direct_load([stairs()])[0] and "mm deep" in direct_load([recording(n=1000)])[0]
+    """Also where the load cell has a zero of its own, and the plunger comes from far away."""
+    r = stairs()
+    bare = replace(r, depth=np.where(r.force > 0.0, 1e-6 * r.force, -5e-3), force=r.force + 1.5)
+    assert "through skin the slope holds" in direct_load([r])[0] and "mm deep" in direct_load([recording(n=1000)])[0]
+    assert direct_load([bare]) == []
 
 
 def test_slopes_in_use_are_read_from_files_that_say_them(tmp_path):

@@ -58,7 +58,13 @@ def test_arms_that_stand_for_something_else_are_doubted():
     said = fit_prony([bent], 1).warnings
     assert any("times the noise" in w and "run diagnose" in w for w in said)
     assert any("no holds" in w for w in said) or NO_RELAXATION in said
-    assert not any("hold" in w for w in fit_prony([held([(1500.0, 800.0, 1.5)])]).warnings)
+
+
+@pytest.mark.parametrize("encoder", [0.0, 1e-6, 2e-6])
+def test_holds_are_holds_through_an_encoder_that_is_noisy(encoder):
+    r = held([(1500.0, 800.0, 1.5)])
+    r = replace(r, depth=r.depth + encoder * np.random.default_rng(1).standard_normal(r.t.size))
+    assert not any("hold" in w for w in fit_prony([r]).warnings)
 
 
 def test_number_of_arms_is_bounded():

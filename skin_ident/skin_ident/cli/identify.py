@@ -114,8 +114,8 @@ def _account(course: Course, fixed: Course, name: str) -> str:
 def _truth(specimen: Model, course: Course) -> str:
     """What was hidden in the specimen, and whether it was named, a line for each effect."""
     said = [_one_truth(effect, course.steps[-1].left) for effect in specimen.effects]
-    none = "was" if course.steps[-1].left else "was not"
-    return "\n".join(said) or f"hidden in the specimen: nothing; something {none} named"
+    none = "something was named all the same" if course.steps[-1].left else "nothing was named"
+    return "\n".join(said) or f"hidden in the specimen: nothing; {none}"
 
 
 def _one_truth(effect: Effect, left: tuple[tuple[str, ...], ...]) -> str:

@@ -50,10 +50,9 @@ def calibrate(recordings: Sequence[Recording]) -> dict[str, Line]:
     first = recordings[0]
     names = [n for n, unit in zip(first.taxel_names, first.taxel_units, strict=True) if unit == "V"]
     if not names:
-        done = f": rig.yaml calibrates {', '.join(first.declared.calibration)} already, take that out first" * bool(
-            first.declared.calibration
-        )
-        raise FitError(f"{first.name} has no taxel in volts{done or ': there is nothing to calibrate'}")
+        mine = [n for n, c in first.declared.calibration.items() if {c.channel, n.removesuffix("_V")} & {*first.taxel_names}]
+        done = f"rig.yaml calibrates {', '.join(mine)} already, take that out first" if mine else "there is nothing to calibrate"
+        raise FitError(f"{first.name} has no taxel in volts: {done}")
     for r in recordings:
         if r.force is None or not set(names) <= set(r.taxel_names):
             raise FitError(f"{r.name} lacks a load cell, or one of {', '.join(names)}: a calibration needs both together")
@@ -61,9 +60,12 @@ def calibrate(recordings: Sequence[Recording]) -> dict[str, Line]:
 
 
 def direct_load(recordings: Sequence[Recording]) -> list[str]:
-    """A warning that a calibration holds for the bare taxel only; through skin the load cell feels what goes round the taxel, too."""
+    """A warning that a calibration holds for the bare taxel only; through skin the load cell feels what goes round the taxel, too. None
+    where every recording has a depth and shows that the taxel was bare."""
     bare = "lay a known load on the bare taxel for its own slope"
     deep = max((_sunk(r) for r in recordings), default=0.0)
+    if deep < SUNK and all(r.depth is not None for r in recordings):
+        return []
     if deep < SUNK:
         return [f"through skin the slope holds the share of the load that goes round the taxel, too: {bare}"]
     return [
@@ -74,7 +76,7 @@ def direct_load(recordings: Sequence[Recording]) -> list[str]:
 
 def _sunk(r: Recording) -> float:
     """How far the plunger moves while the load cell feels it, m; 0 where no depth was recorded."""
-    felt = r.force > FELT * r.force.max()
+    felt = r.force - r.force.min() > FELT * np.ptp(r.force)
     return float(np.ptp(r.depth[felt])) if r.depth is not None and felt.any() else 0.0
 
 

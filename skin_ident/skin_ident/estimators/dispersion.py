@@ -31,7 +31,7 @@ from skin_models.signals import Motion
 
 FREE = "free"
 FAINT = 0.02  # share that the noise of a taxel far from the plunger may produce, with either sign
-LACKING = "the plain model lacks something, so that values and intervals do not hold; run diagnose on these recordings to see what"
+LACKING = "the plain model lacks something (or the depth is noisy), so that values and intervals do not hold; run diagnose to see what"
 ROBUST_ROUNDS = 20  # of a robust loss, at most
 ROUNDS = 10  # at most, until the contact samples no longer change
 

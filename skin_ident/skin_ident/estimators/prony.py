@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 from scipy.optimize import minimize
 
 from skin_ident.estimators.errors import FitError
@@ -196,8 +197,9 @@ def _from_motion(sessions: list[Session], taus: np.ndarray) -> list[str]:
 
 
 def _hold(s: Session) -> float:
-    """The longest time (s) in contact during which the plunger rests."""
-    still = (np.abs(s.motion.v) < RESTS * np.abs(s.motion.v).max()) & (s.motion.x > 0.0)
+    """The longest time (s) in contact during which the plunger rests: noise of the encoder, of which each speed is made, averages out."""
+    v = np.abs(uniform_filter1d(s.motion.v, max(round(SHORTEST / s.motion.dt), 1)))
+    still = (v < RESTS * v.max()) & (s.motion.x > 0.0)
     return s.motion.dt * max((stop - start for start, stop in zip(*runs(still), strict=True)), default=0)
 
 

@@ -210,7 +210,8 @@ def _unused(declared: Declared, parts: Sequence[Channels], volts: str) -> Iterat
         if "N" not in units:
             yield f"rig.yaml calibrates {name}, which is not a channel in volts here"
             continue
-        done = f"rig.yaml calibrates {name}, which is in newtons here already: its entry is not used"
+        own = next(n for n in (name, name.removesuffix("_V"), c.channel) if n in known)
+        done = f"rig.yaml calibrates {own}, which is in newtons here already: its entry is not used"
         yield done + (f"; with {volts} the volts are read, and it is" if volts and "taxel" in kinds else "")
 
 

@@ -74,8 +74,12 @@ def excluded(v: View) -> Safe | None:
 
 def weak_rows(v: View) -> list[list[str]]:
     """Rows of (cause, size below which it may be there unseen, what would show less of it)."""
-    needs = {e["cause"]: BY_NAME[e["cause"]].needs for e in weakly(v) if e.get("cause") in BY_NAME}
-    return [[_name(e), size_ruled_out(e, v), sentence(needs.get(e.get("cause"), ""))] for e in weakly(v)]
+
+    def needs(e: dict) -> str:
+        known = BY_NAME.get(text(e.get("cause")))
+        return text(e.get("needs")) or (known.needs if known else "")
+
+    return [[_name(e), size_ruled_out(e, v), sentence(needs(e))] for e in weakly(v)]
 
 
 def _also(e: dict, others: tuple[dict, ...]) -> list[dict]:

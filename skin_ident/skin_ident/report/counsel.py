@@ -18,7 +18,7 @@ TESTED = {
 }
 NOT_PROVEN, NEITHER = "Not proven", "Sure neither of the gain nor of the name"
 MOST_ADVICE = 4  # pieces of advice on the first screen
-GAIN, LOAD_CELL = "gain_error", "the load cell"
+GAIN = "gain_error"
 LATER, BY_HAND = "not before the next experiment", "not before a check by hand"
 
 
@@ -106,13 +106,15 @@ def rebuild_answer(v: View) -> tuple[str, str]:
         for a in answers:
             if a.answer == grave:
                 return capital(grave), a.because
-    return _no(answers), "; ".join(dict.fromkeys(a.because for a in answers)) + _but_a_gain(v)
+    reasons, checks = dict.fromkeys(a.because for a in answers), dict.fromkeys(c for a in answers for c in a.checks)
+    return _no(v, answers), ". ".join(["; ".join(reasons), *checks]) + _but_a_gain(v)
 
 
-def _no(answers: list[Rebuild]) -> str:
+def _no(v: View, answers: list[Rebuild]) -> str:
     """The "no" of several findings, with the hardware besides the taxels that may be at fault instead."""
     but = list(dict.fromkeys(b for a in answers for b in a.but))
-    return f"No {'taxel' if LOAD_CELL in but else 'sensor'}, but perhaps {either(but)}" if but else "No"
+    sensor = "taxel" if any(where == "load_cell" for f in v.findings for _, where in f.names) else "sensor"
+    return f"No {sensor}, but perhaps {either(but)}" if but else "No"
 
 
 def _but_a_gain(v: View) -> str:
@@ -126,7 +128,7 @@ def _of_all_names(f: Finding) -> Rebuild:
     answers, reasons = {a.answer for a in each}, {a.because for a in each}
     later = BY_HAND if f.by_hand else LATER
     if len(reasons) == 1:
-        return each[0]
+        return _no_taxel(f, each[0].because) if len(each) > 1 and answers == {"no"} else each[0]
     if answers == {"no"} and not any(where.startswith("taxel") for _, where in f.names):
         return _no_taxel(f, "none of the names that are left is a fault of a taxel")
     if answers == {"no"}:
@@ -144,8 +146,8 @@ def _no_taxel(f: Finding, because: str) -> Rebuild:
     for cause, where in f.names:
         if (part := hardware(cause, where)) and cause in BY_NAME:
             needs.setdefault(part, []).append(BY_NAME[cause].needs)
-    checks = [f"to check {part}: {'; and '.join(dict.fromkeys(each))}" for part, each in needs.items()]
-    return Rebuild("no", ". ".join([because, *map(capital, checks)]), tuple(needs))
+    checks = [f"To check {part}: {'; and '.join(dict.fromkeys(each))}" for part, each in needs.items()]
+    return Rebuild("no", because, tuple(needs), tuple(checks))
 
 
 def next_steps(v: View, folder: str = "") -> Iterator[str]:

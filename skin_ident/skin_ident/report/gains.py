@@ -98,7 +98,7 @@ def quieter(v: View) -> str:
     """A sentence for the errors by channel, where one of them is below the noise floor: the floor may be of another session."""
     if not any(e.floor and e.pair[1] is not None and e.pair[1] < QUIETER * e.floor for e in v.errors):
         return ""
-    return "Noise alone was measured in one session; others may be a little quieter, so an error can be slightly smaller than it."
+    return "Noise alone was measured in other data than this error, which may be quieter: an error can be smaller than it."
 
 
 def _gain(e: ChannelError, v: View) -> Figure:

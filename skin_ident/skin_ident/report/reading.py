@@ -174,11 +174,12 @@ def _amounts(cause: str, where: str, entry: dict[str, Any], alone: bool) -> tupl
 
 
 def _in_range(a: Amount, p: Parameter | None) -> Amount:
-    """The amount, with its neutral value and whether it lies at the end of its range, where its parameter is declared. An end that is the
-    usual value, as the whole signal is of a dead taxel, does not count."""
+    """The amount, with its neutral value and whether it lies at the end of its range, where its parameter is declared. Natural ends, such
+    as the whole of a signal, or a full turn, do not count."""
     if p is None or a.value is None:
         return a
-    ends = [end for end in (p.lower, p.upper) if math.isfinite(end) and end not in (0.0, p.neutral, p.typical)]
+    natural = {0.0, p.neutral, *([1.0, -1.0] if p.unit == "1" else [])}
+    ends = [end for end in (p.lower, p.upper) if math.isfinite(end) and end not in natural and p.unit != "rad"]
     return replace(a, none=p.neutral, at_end=any(abs(a.value - end) <= NEAR_END * abs(end) for end in ends))
 
 

@@ -13,18 +13,20 @@ from skin_ident.report.words import effect_words, label
 
 WEAK = 0.25  # share of the whole above which a bound rules out little
 CLEARLY_LESS = 0.5  # the smallest bound over the shapes is shown where it is at most this share of the largest
+SHARES = ("relative", "share", "gain", "lost", "loss", "softening", "creep")  # parameters without unit that are shares of a whole
 OF_DEPTH = ("position_offset", "mount_compliance", "backlash")  # causes whose size in m is a depth
 FORMS = {"step": "a step within a session"}  # words for forms whose names do not explain themselves
-WHOLE = {"N/m": "of the skin's stiffness", "N": "of the largest force", "m": "of the greatest depth", "1": "of the whole"}  # by unit
+WHOLE = {"N/m": "of the skin's stiffness", "N": "of the largest reading", "m": "of the greatest depth", "1": "of the whole"}  # by unit
 
 
 def reach(traces: Iterable[Trace]) -> dict[str, float]:
-    """The largest force (N) and the greatest depth (m) that were recorded, by unit; only those that are known."""
-    traces = tuple(traces)
-    told = [np.abs(t.measured[:, t.compared]) for t in traces]
-    found = {"N": told, "m": [t.depth for t in traces if t.depth is not None]}
-    most = {unit: max((float(np.nanmax(y, initial=0.0)) for y in ys), default=0.0) for unit, ys in found.items()}
-    return {unit: x for unit, x in most.items() if x > 0.0}
+    """The greatest depth (m), as `depth`, and the largest reading of every channel, that were recorded; only those that are known."""
+    most: dict[str, float] = {}
+    for t in traces:
+        rows = zip(t.channels, np.abs(t.measured[:, t.compared]), strict=True)
+        for name, y in (*rows, *([("depth", t.depth)] if t.depth is not None else [])):
+            most[name] = max(most.get(name, 0.0), float(np.nanmax(y, initial=0.0)))
+    return {name: x for name, x in most.items() if x > 0.0}
 
 
 def weakly(v: View) -> tuple[dict, ...]:
@@ -71,10 +73,19 @@ def _words(e: dict, at: dict) -> tuple[str, str]:
 
 
 def _share(e: dict, below: object, v: View) -> float | None:
-    """A bound as a share of the whole: of the skin's stiffness, of the largest force or the greatest depth in the recordings, or of 1; None
-    where no whole is known."""
+    """A bound as a share of the whole: of the skin's stiffness, of the largest reading of its sensor, of the greatest depth in the
+    recordings, or of 1; None where no whole is known."""
     unit, size = text(e.get("unit")), finite(below)
     stiffness = sum(a.value or 0.0 for a in v.before if a.name in ("k1", "k2")) if e.get("where") == "skin" else 0.0
-    depth = v.reach.get("m", 0.0) if e.get("cause") in OF_DEPTH else 0.0
-    whole = {"N/m": stiffness, "N": v.reach.get("N", 0.0), "m": depth, "1": 1.0}.get(unit, 0.0)
+    depth = v.reach.get("depth", 0.0) if e.get("cause") in OF_DEPTH else 0.0
+    share = 1.0 if text(e.get("parameter")) in SHARES else 0.0
+    whole = {"N/m": stiffness, "N": _largest(v, text(e.get("where"))), "m": depth, "1": share}.get(unit, 0.0)
     return None if size is None or whole <= 0.0 else size / whole
+
+
+def _largest(v: View, where: str) -> float:
+    """The largest reading (N) of the sensor at a place, or of any."""
+    own = {"load_cell": "force"}.get(where, where)
+    return max((x for name, x in v.reach.items() if name.startswith(own) and name != "depth"), default=0.0) or max(
+        (x for name, x in v.reach.items() if name != "depth"), default=0.0
+    )

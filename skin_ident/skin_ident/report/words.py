@@ -175,11 +175,12 @@ SHARES = {"held_out_fall_of_mean_square", "held_out_fall_over_distances", "expla
 @dataclass(frozen=True)
 class Rebuild:
     """Whether a finding asks for a new sensor: `answer` is yes, perhaps, no or cannot say (or, with rivals, not before a test). `but` is
-    hardware besides the taxels that may be at fault instead."""
+    hardware besides the taxels that may be at fault instead, and `checks` says how to check each of it."""
 
     answer: str
     because: str
     but: tuple[str, ...] = ()
+    checks: tuple[str, ...] = ()
 
 
 _OF_THE_RIG = {"mount_compliance": "the mount", "backlash": "the stage", "friction": "the guide of the plunger"}

@@ -33,7 +33,7 @@ class Step:
     @property
     def words(self) -> str:
         """What was named, in words, with the rivals that are left."""
-        unnamed = "something without a name" if self.verdict == "unexplained" else "nothing"
+        unnamed = "nothing, though something is wrong" if self.verdict == "unexplained" else "nothing"
         return "; ".join(" or ".join(names) for names in self.left) or unnamed
 
 

@@ -149,6 +149,7 @@ def test_a_zero_that_jumped_asks_for_more_than_a_warm_up(courses, said):
         ([("stress_relaxation", "skin"), ("mount_compliance", "rig")], "No sensor, but perhaps the mount", "mount: a press on a rigid"),
         ([("lag", "load_cell"), ("backlash", "rig")], "No taxel, but perhaps the load cell or the stage", "stage: reversals in"),
         ([("hysteresis", "skin"), ("lag", "load_cell")], "No taxel, but perhaps the load cell", "To check the load cell: sinusoids"),
+        ([("mount_compliance", "rig"), ("backlash", "rig")], "No sensor, but perhaps the mount or the stage", "the test rig is at fault"),
         ([("gain_error", "taxel_0"), ("off_centre", "rig")], "No", "at most its calibration"),
         ([("lag", "taxel_1"), ("hysteresis", "taxel_1")], "Perhaps", "the sensor itself"),
         ([("lag", "taxel_1"), ("time_shift", "clock")], "Not before the next experiment", "another does not"),
@@ -158,6 +159,15 @@ def test_a_zero_that_jumped_asks_for_more_than_a_warm_up(courses, said):
 def test_what_is_said_of_rebuilding_is_true_of_every_name_that_is_left(names, answer, because):
     said = rebuild_answer(view(findings("explained", entries=[rivals(*names)])))
     assert said[0] == answer and because in said[1]
+
+
+def test_of_several_findings_the_reasons_come_first_and_then_the_checks():
+    """Beside a load cell that is surely at fault, no sensor is not said of the others."""
+    skin = rivals(("stress_relaxation", "skin"), ("mount_compliance", "rig"))
+    answer, because = rebuild_answer(view(findings("explained", entries=[rivals(("lag", "load_cell")), skin])))
+    assert answer == "No taxel, but perhaps the mount"
+    reasons, checks = because.split(". To check the mount: ")
+    assert reasons.startswith("the reference load cell is at fault") and "none of the names" in reasons and "rigid" in checks
 
 
 def test_an_experiment_speaks_for_itself_and_words_without_one_are_said_for_whom():

@@ -48,6 +48,8 @@ def write_table(path: str | os.PathLike, recorded: Recorded) -> int:
 def _common(recorded: Recorded) -> np.ndarray:
     """A mask (N,) of the samples of depth at which all signals were recorded; all samples, where there are none."""
     t, others = recorded.depth.t, [track for track in (recorded.force, recorded.taxels) if track.values.size]
+    if not others:
+        return np.ones(t.size, bool)
     common = (t >= max(track.t[0] for track in others)) & (t <= min(track.t[-1] for track in others))
     return common if common.any() else np.ones(t.size, bool)
 

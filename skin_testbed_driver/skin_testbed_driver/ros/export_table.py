@@ -25,8 +25,9 @@ from skin_testbed_driver.rigs.table import write_table
 from skin_testbed_driver.ros.replayed_bag import read_bag
 
 
-def export_table(recording: Path, out: Path, namespace: str = "") -> tuple[Recorded, list[Path]]:
-    """Write the table of a bag, of its topics in `namespace`, and return what it held and the files that hold it now.
+def export_table(recording: Path, out: Path, namespace: str = "") -> tuple[Recorded, int, list[Path]]:
+    """Write the table of a bag, of its topics in `namespace`, and return what it held, the rows that were written, and the files that hold
+    it now.
 
     Raises `RigError`; an existing file is not overwritten, and a table is not put beside the rig.yaml of another rig.
     """
@@ -37,13 +38,13 @@ def export_table(recording: Path, out: Path, namespace: str = "") -> tuple[Recor
         raise RigError(f"{beside} is of another rig than {rig}: name a table in a folder of its own, such as --out {other}")
     recorded, _ = read_bag(str(recording), namespace)
     with _folder(out.parent):
-        write_table(out, recorded)
+        rows = write_table(out, recorded)
         if rig.is_file() and not beside.exists():
             shutil.copyfile(rig, beside)
     if beside.exists() and not rig.is_file():
         strange = f"{beside} lies there already and will be read with the table: is it of this rig? The recording has none"
         recorded = replace(recorded, warnings=(*recorded.warnings, strange))
-    return recorded, [out, *([beside] if rig.is_file() else [])]
+    return recorded, rows, [out, *([beside] if rig.is_file() else [])]
 
 
 @contextlib.contextmanager
@@ -69,14 +70,14 @@ def main() -> None:
     chosen = parser.parse_args()
     out = chosen.out or Path(chosen.recording.resolve().with_suffix("").name + ".tsv")
     try:
-        recorded, written = export_table(chosen.recording, out, chosen.namespace)
+        recorded, rows, written = export_table(chosen.recording, out, chosen.namespace)
     except SkinError as error:
         sys.exit(_complain("export_table", error))
     except OSError as error:
         sys.exit(_complain("export_table", RigError(f"cannot write {out}: {error.strerror}")))
     for warning in recorded.warnings:
         _complain("export_table", warning)
-    print(f"{counted(recorded.depth.t.size, 'sample')}: wrote {' and '.join(str(file.absolute()) for file in written)}")
+    print(f"{counted(rows, 'sample')}: wrote {' and '.join(str(file.absolute()) for file in written)}")
 
 
 def _complain(program: str, error: Exception | str) -> int:

@@ -1,5 +1,6 @@
 """Analysis of an array: what the ratios of the taxels show once everything else is in the model."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -64,7 +65,7 @@ def analyse(
     noise: Whitener,
     doubted: list[int],
     thickness_mm: float | None,
-    dead: list[int] = (),
+    dead: Sequence[int] = (),
 ) -> ArrayCriticism:
     """Judge the shares of the training sessions under the extended `model`; `held` are indices of held-out sessions.
 
@@ -82,10 +83,10 @@ def analyse(
     return ArrayCriticism(layout, measured, judgement, gain, least, unlike(layout.of(train), measured.of(train), judgement.nothing))
 
 
-def _without(dead: list[int], measured: Gains, layout: Layout) -> Gains:
+def _without(dead: Sequence[int], measured: Gains, layout: Layout) -> Gains:
     """The shares as if nothing was known of dead taxels: they are put where the layout expects them, with an error larger than any
     share."""
-    if not dead:
+    if not len(dead):
         return measured
     value, covariance, plain = measured.value.copy(), measured.covariance.copy(), Family(layout).shares({})
     seen = np.delete(np.arange(value.shape[1]), dead)

@@ -182,6 +182,15 @@ def _weakest(each: list[tuple[float, dict[str, Any]]]) -> dict[str, Any]:
     return worst | {"least": least} if least["below"] < worst["below"] else worst
 
 
+def raised(e: dict[str, Any], floor: float) -> dict[str, Any]:
+    """An entry of `excluded` whose bounds are no smaller than `floor`."""
+    worst = {**e, "below": max(e["below"], floor)}
+    if "least" not in e:
+        return worst
+    least = {**e["least"], "below": max(e["least"]["below"], floor)}
+    return {**worst, "least": least} if least["below"] < worst["below"] else {k: v for k, v in worst.items() if k != "least"}
+
+
 def _most(q: Parameter, where: str, model: Model) -> float:
     """The largest possible amplitude: what its effect allows, and in the skin no more than the skin's whole stiffness."""
     whole = model.dispersion.k1 + model.dispersion.k2

@@ -64,8 +64,8 @@ def _exchanged(search: Search, finding: Named) -> bool:
         return False
     numbers = len(shared[0].unknowns) - len(search.present.unknowns) if shared else 0
     if other.key in search.put_out or not _better(other.explained, explained, numbers):
-        if other.explained > reach(explained):
-            near = Rival(*other.key, explained - other.explained, shared[0].model if shared else None)
+        if other.explained > reach(explained) and other.key not in {n.key for n in search.named}:
+            near = Rival(*other.key, max(explained - other.explained, 0.0), shared[0].model if shared else None)
             _replace(search, finding, finding.with_rivals([near]))
         return False
     search.put_out.add(key)

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from skin_ident.criticism.search.bounds import raised
 from skin_ident.criticism.telemetry.as_read import calm_lines
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.telemetry.units import declared_step
@@ -78,7 +79,7 @@ def no_finer(excluded: list[dict[str, Any]], recordings: list) -> list[dict[str,
     told.setdefault("taxel", min((least for where, least in told.items() if where.startswith("taxel")), default=0.0))
 
     def bounded(e: dict[str, Any]) -> dict[str, Any]:
-        return {**e, "below": max(e["below"], told.get(e["where"], 0.0))}
+        return raised(e, told.get(e["where"], 0.0))
 
     return [bounded(e) if e["cause"] == "quantization" and "where" in e else e for e in excluded]
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import stiffness
 from skin_ident.criticism.baseline.unknowns import unknowns, values
+from skin_ident.criticism.search.bounds import raised
 from skin_ident.criticism.search.named import Criticism, Named
 from skin_ident.criticism.sessions.session import FITTED, KEPT
 from skin_ident.criticism.telemetry.faults import PREDICTS, UNLIKE, effect_of
@@ -106,10 +107,10 @@ def _as_read(bound: dict[str, Any], encoder_step: float, model: Model) -> dict[s
     """An entry of `excluded`, with its bound raised to what the encoder can resolve: a length of the rig below the encoder's step can be
     neither named nor ruled out, nor can a dead zone that acts like a surface half a step deeper."""
     if bound["unit"] == "m" and bound.get("where") == "rig":
-        return {**bound, "below": max(bound["below"], encoder_step)}
+        return raised(bound, encoder_step)
     if bound["cause"] == "dead_zone" and bound["unit"] == "N":
         channels = {"skin": ["force"], "taxel": [f"taxel_{i}" for i in range(len(model.shares))]}.get(bound["where"], [bound["where"]])
-        return {**bound, "below": max(bound["below"], 0.5 * encoder_step * max(stiffness(model, c) for c in channels))}
+        return raised(bound, 0.5 * encoder_step * max(stiffness(model, c) for c in channels))
     return bound
 
 
