@@ -37,7 +37,6 @@ PASSES = 40  # rounds at most; some name nothing and only mend the baseline, and
 def run(search: Search, fitted: Fit) -> None:
     """Name one cause after the other, beginning with the fitted baseline, until held-out data support no more."""
     search.present = fitted
-    search.settle_first_fit()
     for _ in range(PASSES):
         if len(search.rounds) >= search.most or not _round(search):
             return

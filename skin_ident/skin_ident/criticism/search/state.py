@@ -136,16 +136,6 @@ class Search:
         self.present = self.present.under(self.noise, self.train)
         return last
 
-    def settle_first_fit(self) -> None:
-        """Fit the model without any cause once more in the noise that a survey of it finds, where this is worth as much as a cause: what
-        its first fit took for noise that wanders may be its error. Otherwise every cause would be credited with it."""
-        if self.named or self.rounds:
-            return
-        self.look()
-        again = fit(self.present.model, self.train, self.noise)
-        if self.present.cost - again.cost > self.least(again.count):
-            self.present = self.baseline = again
-
     def survey(self) -> Survey:
         """Every cause ranked against the present model. An earlier survey is returned where model and sessions are those of that one."""
         model, last = self.present.model, self._surveyed
