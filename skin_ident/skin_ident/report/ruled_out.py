@@ -85,7 +85,6 @@ def _share(e: dict, below: object, v: View) -> float | None:
 
 def _largest(v: View, where: str) -> float:
     """The largest reading (N) of the sensor at a place, or of any."""
-    own = {"load_cell": "force"}.get(where, where)
-    return max((x for name, x in v.reach.items() if name.startswith(own) and name != "depth"), default=0.0) or max(
-        (x for name, x in v.reach.items() if name != "depth"), default=0.0
-    )
+    readings = {name: x for name, x in v.reach.items() if name != "depth"}
+    own = [x for name, x in readings.items() if name.startswith({"load_cell": "force"}.get(where, where))]
+    return max(own or readings.values(), default=0.0)

@@ -198,7 +198,7 @@ class View:
     held: tuple[tuple[Amount, str], ...] = ()  # parameters that were not fitted, and where their values come from
     above: tuple[str, float] | None = None  # the channel whose error is clearly above its noise, and the ratio of the two
     given: bool = False  # whether the baseline was given, not fitted
-    reach: dict[str, float] = field(default_factory=dict)  # the largest force (N) and the greatest depth (m) of the recordings, by unit
+    reach: dict[str, float] = field(default_factory=dict)  # the largest reading (N) by channel, and `depth` (m)
     most_left: dict[str, Any] = field(default_factory=dict)  # the entry `systematic_rest`, with the sessions of the largest residual
 
     @property

@@ -9,9 +9,11 @@ from wording_making import findings, rivals
 
 from skin_ident.report.appendix import excluded
 from skin_ident.report.charts import _band, _over
+from skin_ident.report.counsel import rebuild_answer
 from skin_ident.report.gains import better, quieter
 from skin_ident.report.markdown import markdown
 from skin_ident.report.pictures import pictures
+from skin_ident.report.reading import view
 from skin_ident.report.ruled_out import bound, reach, strongly, weakly
 from skin_ident.report.shapes import Binned
 from skin_ident.report.story import tell
@@ -124,3 +126,12 @@ def test_every_round_has_its_own_scale_and_numbers_and_every_panel_one_legend():
     assert "14.2" in [label.get_text() for label in last.texts]
     (legend,) = drawn["residual.png"]().legends
     assert [entry.get_text() for entry in legend.get_texts()] == ["what is left after", "what is left before"][::-1]
+
+
+def test_of_several_findings_the_reasons_come_first_and_then_the_checks():
+    """Beside a load cell that is surely at fault, no sensor is not said of the others."""
+    skin = rivals(("stress_relaxation", "skin"), ("mount_compliance", "rig"))
+    answer, because = rebuild_answer(view(findings("explained", entries=[rivals(("lag", "load_cell")), skin])))
+    assert answer == "No taxel, but perhaps the mount"
+    reasons, checks = because.split(". To check the mount: ")
+    assert reasons.startswith("the reference load cell is at fault") and "none of the names" in reasons and "rigid" in checks

@@ -161,15 +161,6 @@ def test_what_is_said_of_rebuilding_is_true_of_every_name_that_is_left(names, an
     assert said[0] == answer and because in said[1]
 
 
-def test_of_several_findings_the_reasons_come_first_and_then_the_checks():
-    """Beside a load cell that is surely at fault, no sensor is not said of the others."""
-    skin = rivals(("stress_relaxation", "skin"), ("mount_compliance", "rig"))
-    answer, because = rebuild_answer(view(findings("explained", entries=[rivals(("lag", "load_cell")), skin])))
-    assert answer == "No taxel, but perhaps the mount"
-    reasons, checks = because.split(". To check the mount: ")
-    assert reasons.startswith("the reference load cell is at fault") and "none of the names" in reasons and "rigid" in checks
-
-
 def test_an_experiment_speaks_for_itself_and_words_without_one_are_said_for_whom():
     names = [("lag", "taxel_1"), ("time_shift", "clock")]
     battery = rivals(*names, battery="separating.yaml", separating_experiment="record separating.yaml (x; 20 s): it would tell")

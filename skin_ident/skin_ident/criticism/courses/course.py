@@ -302,13 +302,15 @@ def _solve(course: Course, g: _Ground, moments: Moments, exactly: bool = False) 
     charge."""
     rows = [_columns(course, g, s, moments[s.name], exactly) for s in g.sessions]
     normal = Normal.by_blocks([stack([own], [s], g.noise) for own, s in zip(rows, g.sessions, strict=True)], g.left, g.Q)
-    steps = course.shape == STEPS
-    free = _free(course, g, rows)
-    z = normal.pursue(MOST_STEPS * len(g.sessions)) if steps else normal.least_squares(free)
-    tare = g.tare(course)
-    if tare:
-        z = _as_tared(normal, z, tare.leaves)
-    numbers = 2 * np.count_nonzero(z) if steps else min(np.count_nonzero(z), np.linalg.matrix_rank(free) if free.size else 0)
+    if course.shape == STEPS:
+        z = normal.pursue(MOST_STEPS * len(g.sessions))
+        numbers = 2 * np.count_nonzero(z)
+    else:
+        free = _free(course, g, rows)
+        z = normal.least_squares(free)
+        tare = g.tare(course)
+        z = _as_tared(normal, z, tare.leaves) if tare else z
+        numbers = min(np.count_nonzero(z), np.linalg.matrix_rank(free) if free.size else 0)
     charge = np.log(max(normal.count, 2)) * numbers
     split = np.split(z, np.cumsum([len(own) for own in rows])[:-1])
     return dict(zip((s.name for s in g.sessions), split, strict=True)), normal.explained(z) - float(charge), float(charge)
