@@ -117,7 +117,7 @@ def test_a_place_that_some_sessions_tell_is_the_same_place_in_all(held):
     read = measured([skin.shares(q + off) for q in contacts[train]], 0)
     verdict = judge(layout.of(train), read)
     assert verdict.named.key == ("off_centre", "rig")
-    found = ArrayCriticism(layout, read, verdict, None)
+    found = ArrayCriticism(layout, read, verdict)
     assert shift_of(verdict.causes[0].fit.member, layout) == pytest.approx(off, abs=2e-4)  # across the row they hardly tell
     assert shift_of(verdict.causes[0].fit.member, layout)[0] == pytest.approx(off[0], abs=2e-5)
     told = Family(layout.of([3])).shares(verdict.causes[0].fit.member)[0]
@@ -166,14 +166,14 @@ def judged_as(cause: str, where: str, name: str) -> SimpleNamespace:
     """An array in which one cause was named, by one quantity of the family, of size 0.1."""
     member = SimpleNamespace(member={name: 0.1})
     j = SimpleNamespace(key=(cause, where), hypothesis=Hypothesis(cause, where, 0.1, {name: 0.1}), fit=member)
-    return SimpleNamespace(named=True, layout=array(3, 0)[1], judgement=SimpleNamespace(causes=(j,)))
+    return SimpleNamespace(named=(SimpleNamespace(best=j),), layout=array(3, 0)[1])
 
 
 def test_what_has_no_effect_in_the_catalogue_is_not_said_to_be_in_the_model():
     plain = Model(Dispersion(m=0.0, b1=900.0, k1=9600.0, b2=600.0, k2=2800.0), (0.6, 0.8, 0.1))
     leaning, walking, widening, _, _, smeared, _ = BENDS
     model = replace(plain, effects=(leaning, widening, smeared))
-    nothing = SimpleNamespace(named=False)
+    nothing = SimpleNamespace(named=())
     assert unwritten(model, nothing) == {("crosstalk", "taxel"): NO_FORM}
     assert unwritten(model.extended(walking), nothing) == {("off_centre", "rig"): NO_FORM, ("crosstalk", "taxel"): NO_FORM}
     assert set(unwritten(model, "a taxel is dead").values()) == {NOT_JUDGED} and not unwritten(plain, "a taxel is dead")
@@ -280,7 +280,7 @@ def test_what_is_left_open_is_told_the_most_probable_first():
     """The same in every run of a program, which lays out a set as chance has it."""
     skin, layout = array(4, 1)
     judgement = replace(judge(layout, measured([skin.shares() * [1.06, 1.0, 1.0, 1.0]] * 2, 0)), sure=0.8)
-    told = [u["cause"] for u in untestable(ArrayCriticism(layout, None, judgement, None)) if u.get("left_open")]
+    told = [u["cause"] for u in untestable(ArrayCriticism(layout, None, judgement)) if u.get("left_open")]
     judged = [j.hypothesis.cause for j in judgement.causes]
     assert told == sorted(told, key=judged.index) and len(told) > 2
 
@@ -317,6 +317,6 @@ def test_what_three_taxels_cannot_tell_is_bounded_by_no_expectation():
         heard = y + leak * np.array([y[1], y[0] + y[2], y[1]])
         judgement = judge(layout, measured([heard, heard], seed), thickness_mm=6)
         if judgement.sure <= POSSIBLE:
-            bounds = excluded(ArrayCriticism(layout, None, judgement, None))
+            bounds = excluded(ArrayCriticism(layout, None, judgement))
             below.append(min((e["below"] for e in bounds if (e["cause"], e["where"]) == ("crosstalk", "taxel")), default=np.inf))
     assert len(below) > 5 and min(below) > leak

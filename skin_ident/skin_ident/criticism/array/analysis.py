@@ -7,16 +7,14 @@ import numpy as np
 
 from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.gains import Gains, gains
-from skin_ident.criticism.array.gate import held_out_gain
-from skin_ident.criticism.array.judgement import Judgement, judge, unlike
+from skin_ident.criticism.array.judgement import Judgement, unlike
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.scatter import with_scatter
-from skin_ident.criticism.gates.gate import MATERIAL_RMSE, Gain
+from skin_ident.criticism.array.trying import Shown, Tried, tried
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
-MOST = 0.67  # share of the mean-square error from wrong ratios that a cause must remove to be named
 FAR = 0.25  # relative error of the shares that no calibration error reaches,
 BEYOND = 5.0  # nor this many times the declared error of calibrations
 UNKNOWN = 100.0  # times the largest share, standard error of the share of a dead taxel
@@ -26,14 +24,15 @@ BENDING = ("saturation", "dead_zone", "hysteresis", "lag", "gain_error", "drift"
 
 @dataclass(frozen=True, eq=False)
 class ArrayCriticism:
-    """The result. `gain` is None where no cause was sure enough to be tested on held-out data; `least` is the RMSE, N, that the measured
-    shares leave there; `unlike` is the relative difference of the training shares from the declared layout."""
+    """The result. `judgement` compares causes alone; `tried` are those that were sure enough to be tried on held-out data, with a
+    judgement of their own beside each other if they are two; `left` judges what is left beside a single one of these; `unlike` is the
+    relative difference of the training shares from the declared layout."""
 
     layout: Layout
     measured: Gains
     judgement: Judgement
-    gain: Gain | None
-    least: float = 0.0
+    tried: tuple[Tried, ...] = ()
+    left: Judgement | None = None
     unlike: float = 0.0
 
     @property
@@ -45,16 +44,9 @@ class ArrayCriticism:
         return not self.named and self.judgement.named is not None and self.unlike > far
 
     @property
-    def named(self) -> bool:
-        """Whether a cause is sure, predicts held-out sessions better beyond doubt and by enough to matter, and accounts for most of the
-        error from wrong ratios.
-
-        The whitened gain need not be large: a static share is a slow signal, and coloured noise hides most of it.
-        """
-        gain = self.gain
-        if gain is None or gain.lower <= 0.0 or gain.after >= (1.0 - MATERIAL_RMSE) * gain.before:
-            return False
-        return gain.squares > MOST * (gain.before**2 - self.least**2)
+    def named(self) -> tuple[Tried, ...]:
+        """The causes that are sure and passed their test."""
+        return tuple(t for t in self.tried if t.passed)
 
 
 def analyse(
@@ -74,13 +66,10 @@ def analyse(
     if any(e.cause == "spread_depth" for e in model.effects):  # its initial width and its growth cannot be told apart
         layout = replace(layout, width_declared=False)
     measured = with_scatter(_granted(_without(dead, gains(model, sessions, noise), layout), doubted), layout)
-    train = [i for i in range(len(sessions)) if i not in held]
-    judgement = judge(layout.of(train), measured.of(train), thickness_mm)
-    best = judgement.named
-    if best is None:
-        return ArrayCriticism(layout, measured, judgement, None)
-    gain, least = held_out_gain(model, layout, measured, sessions, held, noise, best)
-    return ArrayCriticism(layout, measured, judgement, gain, least, unlike(layout.of(train), measured.of(train), judgement.nothing))
+    shown = Shown(model, layout, measured, sessions, held, noise, thickness_mm)
+    judgement, train = shown.judged(), shown.train
+    off = unlike(layout.of(train), measured.of(train), judgement.nothing)
+    return ArrayCriticism(layout, measured, judgement, *tried(shown, judgement), off)
 
 
 def _without(dead: Sequence[int], measured: Gains, layout: Layout) -> Gains:

@@ -51,10 +51,10 @@ def as_written(model: Model, a: ArrayCriticism | str, first: Session) -> Model:
     )
     for e in filter(is_of_array, model.effects):
         here = _with(here, known(e), np.ones(len(here.shares)))
-    if not a.named:
-        return here
-    e = _effect(a.judgement.causes[0], own)
-    return _with(here, e, _heard(here, e) if isinstance(e, Crosstalk) else _factors(a.judgement.causes[0], own))
+    for j in (t.best for t in a.named):
+        e = _effect(j, own)
+        here = _with(here, e, _heard(here, e) if isinstance(e, Crosstalk) else _factors(j, own))
+    return here
 
 
 def unwritten(model: Model, a: ArrayCriticism | str) -> dict[Key, str]:
@@ -63,7 +63,7 @@ def unwritten(model: Model, a: ArrayCriticism | str) -> dict[Key, str]:
     keys = [e.key for e in bent]
     if isinstance(a, str):
         return dict.fromkeys(keys, NOT_JUDGED)
-    best = a.judgement.causes[:1] if a.named else ()
+    best = [t.best for t in a.named]
     keys += [j.key for j in best]
     try:
         effects = [*map(known, bent), *(_effect(j, a.layout.of([0])) for j in best)]

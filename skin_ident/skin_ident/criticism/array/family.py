@@ -45,19 +45,26 @@ class Family:
         to 2, `fall` is the logarithm of a factor on 1.5, `axis` is the angle (rad) by which the stage is turned about the origin of the
         declared frame."""
         layout = self.layout
-        x, y = np.moveaxis(layout.places - self.off(p)[:, None], -1, 0)
+        x, y = self._places if self._is_placed(p) else np.moveaxis(layout.places - self.off(p)[:, None], -1, 0)
         ratio = p.get("ratio", 0.0)
         square = np.exp(-ratio) * x**2 + np.exp(ratio) * y**2 - 2.0 * p.get("turn", 0.0) * x * y
         u = np.maximum(square, NEAR) / (layout.width * np.exp(p.get("width", 0.0))) ** 2
-        gain = np.array([p.get(f"gain_{i}", 0.0) for i in range(len(layout.taxels))])
-        tail, fall = p.get("tail", 0.0), HALF_SPACE * np.exp(p.get("fall", 0.0))
-        own = (1.0 + gain) * ((1.0 - tail) * np.exp(-(u ** (1.0 + 0.5 * p.get("power", 0.0)))) + tail * (1.0 + u) ** -fall)
-        heard = p.get("leak", 0.0) * own @ self._beside + p.get("common", 0.0) * own.mean(axis=1, keepdims=True)
+        own = np.exp(-(u ** (1.0 + 0.5 * p.get("power", 0.0))))
+        if tail := p.get("tail", 0.0):
+            own = (1.0 - tail) * own + tail * (1.0 + u) ** -(HALF_SPACE * np.exp(p.get("fall", 0.0)))
+        for name in p:
+            if name.startswith("gain_"):
+                own[:, int(name[5:])] *= 1.0 + p[name]
+        felt = own.copy()
+        if leak := p.get("leak", 0.0):
+            felt += leak * own @ self._beside
+        if common := p.get("common", 0.0):
+            felt += common * own.mean(axis=1, keepdims=True)
         for name in filter(is_repeat, p):
             i, j = map(int, name.split("_")[1:])
-            heard[:, i] += p[name] * own[:, j]
+            felt[:, i] += p[name] * own[:, j]
         scale = np.exp([p.get("level", 0.0) + p.get(f"scale_{s}", 0.0) for s in range(len(layout.contacts))])
-        return scale[:, None] * (own + heard)
+        return scale[:, None] * felt
 
     def off(self, p: dict[str, float]) -> np.ndarray:
         """Displacement of each session's contact from its declared place under a member, (S, 2) m."""
@@ -66,10 +73,19 @@ class Family:
         turned = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
         return shift + layout.contacts @ turned - layout.contacts
 
+    def _is_placed(self, p: dict[str, float]) -> bool:
+        """Whether a member has every contact at its declared place."""
+        return not (p.get("axis") or any(p.get(f"shift_{a}") for a in range(len(self.layout.axes))))
+
+    @cached_property
+    def _places(self) -> np.ndarray:
+        """Places of the taxels as seen from the declared contacts, (2, S, T) m."""
+        return np.moveaxis(self.layout.places, -1, 0)
+
     @cached_property
     def _beside(self) -> np.ndarray:
         """Matrix (T, T), 1 for pairs of taxels that are nearest neighbours."""
-        return (Places(np.array(self.layout.taxels, float)).neighbours > 0.0).T.astype(float)
+        return (Places(np.array(self.layout.taxels, float)).neighbours > 0.0).T.astype(float).toarray()
 
 
 def is_repeat(name: str) -> bool:

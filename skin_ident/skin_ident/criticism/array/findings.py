@@ -10,6 +10,7 @@ from skin_ident.criticism.array.family import Family, is_repeat
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.sentences import SCAN, farthest, separating, shift_of, why
+from skin_ident.criticism.array.trying import Tried
 from skin_ident.criticism.telling.entry import Entry, alternative
 from skin_ident.criticism.vocabulary import BY_NAME
 from skin_ident.estimators.estimate import HALF_95
@@ -19,18 +20,25 @@ CHANGED = "; a gain of {} that is not the same in all sessions would explain as 
 UNTOLD = "for these taxels and contacts, the ratios of the taxels look like those of a spread of a slightly different width"
 SILENT = 0.01  # of the largest share, below which a taxel feels nothing
 DECLARED = "how well calibrations (taxel_gain_uncertainty) and the width of the spread (spread_width_mm) are known"
+BESIDE = "beside {} in the {}, ratios of the taxels are left over that are not sure to be one cause or another"
 POSSIBLE = 0.5  # probability that something is wrong, up to which causes can be excluded
 
 
-def entry(a: ArrayCriticism) -> dict[str, Any]:
-    """The entry of `findings` for the named cause. A gain error that leaves nothing of a reading is reported as a dead taxel."""
-    best, gain, rivals = a.judgement.causes[0], a.gain, a.judgement.rivals
+def entries_of(a: ArrayCriticism | str) -> list[dict[str, Any]]:
+    """The entries of `findings` for the causes that are named."""
+    return [] if isinstance(a, str) else [_entry(a, t) for t in a.named]
+
+
+def _entry(a: ArrayCriticism, t: Tried) -> dict[str, Any]:
+    """The entry for one cause. A gain error that leaves nothing of a reading is reported as a dead taxel."""
+    best, gain, rivals = t.best, t.gain, t.judgement.rivals
     dead = [("dead_taxel", f"taxel_{i}") for i in silent(a)]
     cause, where = ("dead_taxel", best.key[1]) if best.key[0] == "gain_error" and ("dead_taxel", best.key[1]) in dead else best.key
     others = [(*r.key, float(2.0 * (best.log_odds - r.log_odds))) for r in rivals]
-    changed = a.judgement.may_have_changed
+    others += [(*key, 2.0 * lower) for key, lower in t.instead.items()]
+    changed = t.judgement.may_have_changed
     if changed:
-        others.append(("gain_error", changed, max(float(2.0 * (best.log_odds - a.judgement.changed[1])), 0.0)))
+        others.append(("gain_error", changed, max(float(2.0 * (best.log_odds - t.judgement.changed[1])), 0.0)))
     others = [o for o in ((*best.key, 0.0), *others, *((*d, 0.0) for d in dead)) if o[:2] != (cause, where)]
     evidence = {
         "why": why(best, a.layout) + (CHANGED.format(changed) if changed else ""),
@@ -134,11 +142,23 @@ def untestable(a: ArrayCriticism | str) -> Iterator[dict[str, Any]]:
                 yield {"cause": j.hypothesis.cause, "where": j.hypothesis.where, "because": UNTOLD, "needs": SCAN}
     elif a.named:
         taken = "the ratios of the taxels already show another cause: beside {} in the {} they give no bound for this one"
-        beside = {"because": taken.format(*a.judgement.causes[0].key), "needs": f"the same sessions after that is corrected, or {SCAN}"}
-        yield from ({"cause": c, **beside} for c in said if c in ALL and c != "crosstalk")  # which the search bounds in other forms
+        beside = {"because": taken.format(*a.named[0].best.key), "needs": f"the same sessions after that is corrected, or {SCAN}"}
+        perhaps = list(_perhaps_beside(a))
+        yield from perhaps
+        open_ = [c for c in ALL if c in said and c not in {"crosstalk", *(u["cause"] for u in perhaps)}]  # the search bounds crosstalk
+        yield from ({"cause": c, **beside} for c in open_)
     else:
         because = f"{_scatter(a)}, which wrong calibrations or positions would explain too"
         yield from ({"cause": c, "because": because, "needs": SCAN, "left_open": True} for c in said)
+
+
+def _perhaps_beside(a: ArrayCriticism) -> Iterator[dict[str, Any]]:
+    """The causes that may be there beside the named one, where something probably is."""
+    if a.left is None or a.left.sure <= POSSIBLE:
+        return
+    for j in (a.left.causes[0], *a.left.rivals):
+        because = f"{BESIDE.format(*a.named[0].best.key)}: {why(j, a.layout)}"
+        yield {"cause": j.hypothesis.cause, "where": j.hypothesis.where, "because": because, "needs": SCAN, "in_doubt": True}
 
 
 def _scatter(a: ArrayCriticism) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from skin_ident.criticism.array.evidence import fitted
 from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.gains import Gains, with_shares
-from skin_ident.criticism.array.hypotheses import EXACT, Background
+from skin_ident.criticism.array.hypotheses import EXACT, NOTHING, Background, Hypothesis
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.baseline.residual import residual, rmse
@@ -22,13 +22,20 @@ from skin_models.model import Model
 
 
 def held_out_gain(
-    model: Model, layout: Layout, measured: Gains, sessions: list[Session], held: list[int], noise: Whitener, best: Judged
+    model: Model,
+    layout: Layout,
+    measured: Gains,
+    sessions: list[Session],
+    held: list[int],
+    noise: Whitener,
+    best: Judged,
+    beside: Hypothesis = NOTHING,
 ) -> tuple[Gain, float]:
     """The gain on the sessions `held` (indices), and the RMSE, N, that measured shares leave there in the channel that gains most. If
     `held` is empty, or if sessions press at different places, each training session in turn is also predicted from all other sessions: some
     sessions may not show the cause, and two or three places may not determine it.
 
-    Before, only the stiffness of each session is free, and the width if it is expected and not known.
+    Before, only the stiffness of each session is free, and the width if it is expected and not known, and what a cause `beside` sets free.
     """
     train = [i for i in range(len(sessions)) if i not in held]
     every = range(len(sessions))
@@ -36,7 +43,7 @@ def held_out_gain(
     folds = [*([(train, held)] if held else []), *in_turn]
     said = " and ".join([*(sessions[i].name for i in held), *([EACH_IN_TURN] if in_turn else [])])
     around = best.background
-    known = {name: std for name, std in around.alone.items() if name != "width" or std > EXACT}
+    known = {name: std for name, std in around.alone.items() if name != "width" or std > EXACT} | beside.free
     before, after, judged, least = [], [], [], []
     for fit_on, try_on in folds:
         for errors, free in ((before, known), (after, {**known, **best.hypothesis.free})):

@@ -12,6 +12,7 @@ from itertools import product
 import numpy as np
 
 from skin_ident.criticism.array.layout import MEASURED_AT, Layout
+from skin_ident.criticism.vocabulary import Key
 
 # Relative error of calibrations where none is declared: pairs of standard deviation and prior probability.
 SCATTER = ((0.002, 0.9), (0.01, 0.05), (0.03, 0.05))
@@ -34,6 +35,11 @@ class Hypothesis:
     where: str
     prior: float
     free: dict[str, float]
+
+    @property
+    def key(self) -> Key:
+        """Cause and place."""
+        return self.cause, self.where
 
 
 NOTHING = Hypothesis("", "", 0.5, {})
@@ -59,9 +65,10 @@ class Background:
         """Prior standard deviations of what is free, beside the calibrations, where nothing is wrong."""
         return {"width": self.width, "scale": self.places}
 
-    def and_with(self, h: Hypothesis) -> dict[str, float]:
-        """Prior standard deviations of everything that is free under a hypothesis, beside the calibrations."""
-        return {**self.alone, **{name: float(np.hypot(std, self.width * (name == "width"))) for name, std in h.free.items()}}
+    def and_with(self, *several: Hypothesis) -> dict[str, float]:
+        """Prior standard deviations of everything that is free under one or several hypotheses, beside the calibrations."""
+        free = {name: std for h in several for name, std in h.free.items()}
+        return {**self.alone, **{name: float(np.hypot(std, self.width * (name == "width"))) for name, std in free.items()}}
 
 
 def hypotheses(layout: Layout, suspects: list[int], repeats: list[str]) -> tuple[Hypothesis, ...]:

@@ -2,11 +2,12 @@
 
 from collections.abc import Container
 from dataclasses import replace
+from functools import reduce
 from typing import Any
 
 from skin_ident.criticism.array.analysis import ArrayCriticism, analyse, doubted_taxels
 from skin_ident.criticism.array.extending import unwritten
-from skin_ident.criticism.array.findings import entry, excluded, untestable
+from skin_ident.criticism.array.findings import entries_of, excluded, untestable
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.sentences import changing
 from skin_ident.criticism.baseline.residual import simulated
@@ -61,23 +62,24 @@ def _spoils(s: Any, alive: int) -> bool:
 
 
 def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model, seen: Container[Key] = ()) -> dict[str, Any]:
-    """findings.json with the result of the array: one finding more, or bounds and reasons in place of those from the search, which knows no
-    layout.
+    """findings.json with the result of the array: one or two findings more, or bounds and reasons in place of those from the search, which
+    knows no layout.
 
     `model` is the extended one; its effects of the array are put into words, with the reason where one cannot be written to file. `seen`
     are causes and places of which the search has found something that is no finding: for these no bound is given, since average ratios do
     not bound a form that comes and goes.
     """
     findings = {**findings, "findings": [_in_words(e, model) for e in findings["findings"]]}
-    entries = _with(findings["findings"], entry(a)) if not isinstance(a, str) and a.named else findings["findings"]
-    named = {f["cause"] for f in entries} | {r["cause"] for f in entries for r in f["alternatives"]}
-    reasons = [u for u in untestable(a) if u["cause"] not in named]
+    entries = reduce(_with, entries_of(a), findings["findings"])
+    keys = {(e["cause"], e["where"]) for f in entries for e in (f, *f["alternatives"])}
+    named = {cause for cause, _ in keys}
+    reasons = [u for u in untestable(a) if u["cause"] not in named or (u.get("in_doubt") and _about(u) not in keys)]
     bounds = [] if isinstance(a, str) else [e for e in excluded(a) if e["cause"] not in named and (e["cause"], e["where"]) not in seen]
     open_to = {u["cause"] for u in reasons}  # the search has excluded only other forms of them
     able = [e for e in findings["excluded"] if e["cause"] not in named | open_to] + bounds
     decided = {u["cause"] for u in reasons} | {e["cause"] for e in able} | {(e["cause"], e["where"]) for e in bounds}
     mine = [u for u in findings["untestable"] if u["cause"] not in named or u.get("in_doubt") or is_untold(u)]
-    kept = [u for u in mine if _about(u) in seen or _about(u) not in decided]
+    kept = [u for u in mine if _about(u) not in set(map(_about, reasons)) and (_about(u) in seen or _about(u) not in decided)]
     verdict = revised(findings["verdict"], bool(entries), more=not isinstance(a, str) and a.unexplained)
     warnings = [*findings["warnings"], *([APART] if not isinstance(a, str) and a.named else [])]
     reasons = [u for u in reasons if u["cause"] not in {e["cause"] for e in bounds}]

@@ -1,7 +1,7 @@
 """Which cause, if any, the ratios of the taxels support."""
 
 from dataclasses import dataclass, replace
-from itertools import permutations
+from itertools import combinations, permutations
 
 import numpy as np
 
@@ -36,14 +36,15 @@ class Judged:
     @property
     def key(self) -> Key:
         """Cause and place."""
-        return self.hypothesis.cause, self.hypothesis.where
+        return self.hypothesis.key
 
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
     """The comparison: `nothing` wrong, and all `causes`, the most probable first. `sure` is the probability that something is wrong;
-    `unaided` are the causes in the same order, fitted without prior knowledge of their size; `changed` is the taxel whose gain has most
-    probably changed between sessions, with the log odds of that; `reach` is how much lower the log odds of a rival may be."""
+    `unaided` are the causes in the same order, fitted without prior knowledge of their size (none beside another cause); `changed` is the
+    taxel whose gain has most probably changed between sessions, with the log odds of that; `reach` is how much lower the log odds of a
+    rival may be."""
 
     nothing: Judged
     causes: tuple[Judged, ...]
@@ -69,40 +70,65 @@ class Judgement:
         return taxel if log_odds > self.causes[0].log_odds - self.reach else None
 
 
-def judge(layout: Layout, measured: Gains, thickness_mm: float | None = None) -> Judgement:
-    """Compare all causes with each other and with "nothing wrong"."""
+@dataclass(frozen=True)
+class Pair:
+    """Two causes that are there together, and the log of their prior times evidence."""
+
+    causes: tuple[Hypothesis, Hypothesis]
+    log: float
+
+    @property
+    def keys(self) -> set[Key]:
+        """Cause and place of both."""
+        return {h.key for h in self.causes}
+
+
+def judge(layout: Layout, measured: Gains, thickness_mm: float | None = None, beside: Hypothesis = NOTHING) -> Judgement:
+    """Compare all causes with each other and with "nothing wrong"; or with "nothing else wrong", `beside` a cause that is free in all of
+    them."""
     family = Family(layout)
     mixture = list(backgrounds(layout, thickness_mm))
 
     def weighed(h: Hypothesis) -> Judged:
-        fits, logs = _fits(family, measured, mixture, h)
+        fits, logs = _fits(family, measured, mixture, h, beside)
         best = int(np.argmax(logs))
         return Judged(h, float(np.logaddexp.reduce(logs) + np.log(h.prior)), fits[best], mixture[best])
 
     nothing = weighed(NOTHING)
     suspects = _suspects(family, measured, nothing.fit)
-    every = [
-        replace(j, log_odds=j.log_odds - nothing.log_odds)
-        for j in map(weighed, hypotheses(layout, suspects, _repeats(family, measured, nothing)))
-    ]
-    causes = _one_each(sorted(filter(_of_right_sign, every), key=lambda j: -j.log_odds))
+    listed = hypotheses(layout, suspects, _repeats(family, measured, nothing))
+    others = [h for h in listed if h.key != beside.key]
+    every = [replace(j, log_odds=j.log_odds - nothing.log_odds) for j in map(weighed, others)]
+    causes = _one_each(sorted((j for j in every if _of_right_sign(j.hypothesis, j.fit)), key=lambda j: -j.log_odds))
     wrong = np.logaddexp.reduce([c.log_odds for c in causes])
     sure = float(1.0 / (1.0 + np.exp(-min(wrong, 700.0))))
     reach = REACH if layout.several_contacts else AT_ONE_PLACE
-    unaided = tuple(_unaided(family, measured, c) for c in causes)
+    unaided = () if beside is not NOTHING else tuple(_unaided(family, measured, c) for c in causes)
     judgement = Judgement(replace(nothing, log_odds=0.0), tuple(causes), sure, unaided, reach=reach)
     if not (judgement.named and layout.several_contacts):
         return judgement
-    taxel, log = _changed(family, measured, mixture, suspects)
+    taxel, log = _changed(family, measured, mixture, suspects, beside)
     return replace(judgement, changed=(taxel, log - nothing.log_odds))
 
 
-def _fits(family: Family, measured: Gains, mixture: list[Background], h: Hypothesis) -> tuple[list[Fitted], list[float]]:
+def pairs(layout: Layout, measured: Gains, alone: Judgement, b: Background) -> list[Pair]:
+    """All pairs of the causes of a judgement, the most probable first, in one component of the background."""
+    family, found = Family(layout), []
+    for one, other in combinations((j.hypothesis for j in alone.causes), 2):
+        fit = fitted(family, measured, b.scatter, b.and_with(one, other))
+        if _of_right_sign(one, fit) and _of_right_sign(other, fit):
+            found.append(Pair((one, other), fit.log_evidence + float(np.log(one.prior * other.prior))))
+    return sorted(found, key=lambda p: -p.log)
+
+
+def _fits(
+    family: Family, measured: Gains, mixture: list[Background], h: Hypothesis, beside: Hypothesis
+) -> tuple[list[Fitted], list[float]]:
     """The fit of a hypothesis in every component of the mixture, and the log of evidence times weight. The fits are similar, so each starts
     at the end of the previous one."""
     fits: list[Fitted] = []
     for b in mixture:
-        fits.append(fitted(family, measured, b.scatter, b.and_with(h), fits[-1].member if fits else None))
+        fits.append(fitted(family, measured, b.scatter, b.and_with(beside, h), fits[-1].member if fits else None))
     return fits, [f.log_evidence + float(np.log(b.weight)) for f, b in zip(fits, mixture, strict=True)]
 
 
@@ -125,14 +151,14 @@ def _unaided(family: Family, measured: Gains, j: Judged) -> Judged:
     return replace(j, fit=fit, limited=all(exact.std[name] < MUCH_LESS * fit.std[name] for name in wide))
 
 
-def _changed(family: Family, measured: Gains, mixture: list[Background], suspects: list[int]) -> tuple[str, float]:
+def _changed(family: Family, measured: Gains, mixture: list[Background], suspects: list[int], beside: Hypothesis) -> tuple[str, float]:
     """The taxel whose gain was most probably another one in one session, or from one session on, and the log of prior times evidence."""
     count, taxels = measured.value.shape
     when = [*([s] for s in range(count)), *(list(range(s, count)) for s in range(1, count - 1))]
 
     def weighed(taxel: int, sessions: list[int]) -> float:
         loose = measured.loosened(taxel, sessions, GAIN)
-        return np.logaddexp.reduce(_fits(family, loose, mixture, NOTHING)[1])
+        return np.logaddexp.reduce(_fits(family, loose, mixture, NOTHING, beside)[1])
 
     log, taxel = max((weighed(i, sessions), i) for i in suspects for sessions in when)
     return f"taxel_{taxel}", float(log + np.log(CHANGE / (taxels * len(when))))
@@ -158,10 +184,10 @@ def _repeats(family: Family, measured: Gains, nothing: Judged) -> list[str]:
     return sorted(falls, key=lambda name: -falls[name])[:MOST_REPEATS]
 
 
-def _of_right_sign(j: Judged) -> bool:
+def _of_right_sign(h: Hypothesis, fit: Fitted) -> bool:
     """Whether leaks and tails have the sign that physics allows: a neighbour leaks with its own sign, and a tail adds to the spread."""
-    signed = j.hypothesis.free if j.hypothesis.cause == "crosstalk" else [name for name in j.hypothesis.free if name == "tail"]
-    return all(j.fit.member.get(name, 0.0) >= 0.0 for name in signed)
+    signed = h.free if h.cause == "crosstalk" else [name for name in h.free if name == "tail"]
+    return all(fit.member.get(name, 0.0) >= 0.0 for name in signed)
 
 
 def _one_each(every: list[Judged]) -> list[Judged]:
