@@ -107,6 +107,16 @@ def test_a_line_whose_period_is_a_whole_number_of_samples_is_no_packet_sent_twic
     assert find_copies([read(replace(r, force=r.force + line), force_step=step)]) == []
 
 
+@pytest.mark.parametrize("seed", [0, 2])
+@pytest.mark.parametrize("hertz", [49.95, 49.7])
+def test_hum_near_half_the_sampling_rate_that_comes_in_bursts_is_no_packet_sent_twice(hertz, seed):
+    """In a hold it lets a coarse converter alternate between two readings, for as long as the burst lasts."""
+    rng = np.random.default_rng([3, seed])
+    r = at_rest(session(1 + seed, noise=0.02), 1500, 700)
+    on = np.repeat(rng.random(-(-len(r.t) // 80)) < 0.4, 80)[: len(r.t)]
+    assert find_copies([read(replace(r, force=r.force + 0.1 * on * np.sin(2.0 * np.pi * hertz * r.t)), force_step=0.068)]) == []
+
+
 def test_a_sensor_that_stands_still_repeats_no_packets():
     assert repeats_of([np.full((4000, 1), 0.5)]) == []
 

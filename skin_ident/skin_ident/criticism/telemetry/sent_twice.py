@@ -5,7 +5,8 @@ one distance only, its own length, and may be as short as half a dozen samples.
 
 Chance is judged from the runs of equal readings that are no whole blocks. They become fewer with their length, and the fall from one length
 to the next is continued to the length of the block: the fall at all distances together, which many runs tell, or at the block's own, where
-what is periodic recurs, whichever is slower.
+what is periodic recurs, whichever is slower. A block that is periodic in itself is none: hum near half the sampling rate, seen through a
+coarse converter, alternates between two readings for as long as a hold lasts.
 """
 
 from collections.abc import Iterator
@@ -15,6 +16,7 @@ import numpy as np
 from skin_ident.stretches import runs
 
 SHORTEST = 6  # samples of a block
+PERIODIC = 0.9  # share of a block's readings that recur at a fraction of its length where it is periodic in itself
 MANY, FEW_MORE = 30, 3  # runs from which their fall is known, and the number by which luck may have made the next too few
 
 
@@ -31,7 +33,8 @@ def sent_twice(codes: list[np.ndarray], longest: int) -> Iterator[tuple[int, int
             starts, ends = runs(row[d:] == row[:-d])
             lively, full = c[d + ends] - c[d + starts], ends - starts >= d
             parts[-1] = np.append(parts[-1], lively[~full])
-            whole += [(k, d, *map(int, block)) for block in zip(starts[full], ends[full], lively[full], strict=True)]
+            blocks = ((k, d, *map(int, block)) for block in zip(starts[full], ends[full], lively[full], strict=True))
+            whole += [block for block in blocks if not _periodic(row[block[2] : block[3] + d], d)]
     if not whole or readings < MANY:  # of a sensor that stands still nothing is known
         return
     _, fall = _tail(_at_least(np.concatenate(parts), readings * len(distances)), FEW_MORE)
@@ -39,6 +42,11 @@ def sent_twice(codes: list[np.ndarray], longest: int) -> Iterator[tuple[int, int
         many, own = _tail(_at_least(parts[d - SHORTEST], readings))
         expected = many[-1] * max(fall, own) ** max(lively - (many.size - 1), 0)
         yield k, d + start, start, end - start, lively, float(len(distances) * expected)
+
+
+def _periodic(readings: np.ndarray, d: int) -> bool:
+    """Whether a block of `d` readings and its repetition recur at half of its length or less, but for a few readings."""
+    return any(np.mean(readings[p:] == readings[:-p]) >= PERIODIC for p in range(2, d // 2 + 1))
 
 
 def _at_least(lively: np.ndarray, readings: int) -> np.ndarray:
