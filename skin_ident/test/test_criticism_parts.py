@@ -12,7 +12,7 @@ from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.baseline.unknowns import unknowns, values, with_values
 from skin_ident.criticism.gates.gate import by_block
 from skin_ident.criticism.noise.whitening import fit_whitener, white
-from skin_ident.criticism.search.growing import _extended, sound_damping
+from skin_ident.criticism.search.growing import _extended, _finer, sound_damping
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.ranking import signed_pursuit
@@ -32,6 +32,7 @@ from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.effects.time_shift import SkewedClock, TimeShift
 from skin_models.model import Model
 from skin_models.model_file import model_to_dict
+from skin_models.parameter import clipped, parameters_of
 from skin_models.signals import motion
 
 SILICONE = Model(Dispersion(m=0.000432, b1=939.5, k1=9619.0, b2=629.2, k2=2766.0), shares=(1.0, 0.4))
@@ -294,3 +295,11 @@ def test_a_form_that_has_all_of_a_plain_one_takes_its_place_and_adds_to_it(besid
 def test_two_forms_of_one_delay_add_up_to_no_more_than_a_model_may_hold():
     late, skewed = TimeShift("clock_taxels", delay=-0.4), SkewedClock("clock_taxels", skew=0.0, delay=-0.7)
     assert _extended(replace(SILICONE, effects=(late,)), skewed).effects[-1].delay == -1.0  # s, its bound
+
+
+@pytest.mark.parametrize("cls", [c for c in effects() if any(other.refines is c for other in effects())], ids=lambda c: c.__name__)
+def test_an_effect_at_the_end_of_its_range_has_finer_forms_that_may_be_tried(cls):
+    for end in ("lower", "upper"):
+        far = clipped(cls, **{p.name: np.clip(getattr(p, end), -1e9, 1e9) for p in parameters_of(cls)})
+        finer = _finer(cls(next(iter(cls.places)), **far))
+        assert finer and all(e.cause == cls.cause for e in finer)

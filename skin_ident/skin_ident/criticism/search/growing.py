@@ -211,8 +211,8 @@ def _refined(present: Fit, gained: float, sessions: list[Session], noise: Whiten
 
 
 def _finer(effect: Effect) -> list[Effect]:
-    """The forms that equal an effect when it is small, with its values."""
-    return [cls.typical(effect.where, **effect.values) for cls in effects() if cls.refines is type(effect)]
+    """The forms that equal an effect when it is small, with its values, or the nearest that they may have."""
+    return [cls.typical(effect.where, **clipped(cls, **effect.values)) for cls in effects() if cls.refines is type(effect)]
 
 
 def _ready(d: Direction, amount: float, session: Session) -> Effect:
