@@ -10,6 +10,7 @@ from world.hidden import Hide
 from skin_ident.criticism.baseline.fitting import Fit
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.noise.whitening import white
+from skin_ident.criticism.projection import basis
 from skin_ident.criticism.search.bounds import HOLLOW, _imitated, excluded_and_untestable, raised
 from skin_ident.criticism.search.named import NotNamed
 from skin_ident.criticism.search.proposals import Direction
@@ -150,6 +151,6 @@ def test_every_form_that_the_model_imitates_is_left_open():
     other = Direction(Backlash("rig"), "gap", SIZES["backlash"], 1)
     rng = np.random.default_rng(0)
     J, free = rng.standard_normal((2, ROWS, 1))
-    p = project((*forms, other), np.hstack([J + 1e-4 * free, J - 1e-4 * free, free]), J, rng.standard_normal(ROWS))
+    p = project((*forms, other), np.hstack([J + 1e-4 * free, J - 1e-4 * free, free]), basis(J), rng.standard_normal(ROWS))
     said = _imitated(p, BY_NAME["dead_zone"], [{"where": "taxel"}])
     assert [entry["form"] for entry in said] == ["", "gradual"]

@@ -18,6 +18,7 @@ from skin_ident.criticism.baseline.fitting import tangents
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.unknowns import unknowns
 from skin_ident.criticism.noise.whitening import Whitener, stack
+from skin_ident.criticism.projection import basis
 from skin_ident.criticism.search.proposals import Direction, bank
 from skin_ident.criticism.search.ranking import project, rank
 from skin_ident.criticism.sessions.band import Band
@@ -73,7 +74,7 @@ def contest(rivals: tuple[Contender, ...], plain: Model, sessions: list[Session]
     signals = [[s.band.thin(simulated(r.model, s)) for s in sessions] for r in rivals]
     apart = [_unlike(rival, [_minus(y, own) for y in signals], sessions, noise, which) for rival, own in zip(rivals, signals, strict=True)]
     base = [s.band.thin(simulated(plain, s)) for s in sessions]
-    own = stack(tangents(plain, sessions, unknowns(plain, sessions[0])), sessions, noise)
+    own = basis(stack(tangents(plain, sessions, unknowns(plain, sessions[0])), sessions, noise))
     explained = [_left((), np.zeros((len(own), 0)), own, stack(_minus(y, base), sessions, noise)) for y in signals]
     return Contest(np.array(apart).T, np.array(explained))
 
@@ -85,7 +86,7 @@ def _minus(y: list[np.ndarray], other: list[np.ndarray]) -> list[np.ndarray]:
 def _unlike(rival: Contender, differences: list[list[np.ndarray]], sessions, noise, which) -> list[float]:
     """The squared whitened norm of the part of each difference (a list of (C, n) per session) that `rival` cannot imitate."""
     mine = tuple(d for d in which if d.key == (rival.cause, rival.where))
-    own = stack(tangents(rival.model, sessions, unknowns(rival.model, sessions[0])), sessions, noise)
+    own = basis(stack(tangents(rival.model, sessions, unknowns(rival.model, sessions[0])), sessions, noise))
     forms = stack(bank(rival.model, mine, sessions), sessions, noise)
     return [_left(mine, forms, own, stack(d, sessions, noise)) for d in differences]
 

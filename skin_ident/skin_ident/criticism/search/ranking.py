@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
-from skin_ident.criticism.projection import basis, projected_off
+from skin_ident.criticism.projection import projected_off
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.vocabulary import Key
 
@@ -62,13 +62,12 @@ class Projected:
     beside: np.ndarray  # (directions, L)
 
 
-def project(which: tuple[Direction, ...], A: np.ndarray, J: np.ndarray, r: np.ndarray) -> Projected:
-    """Project `A` (rows, directions) and `r` (rows,) off the columns of `J` (rows, unknowns).
+def project(which: tuple[Direction, ...], A: np.ndarray, Q: np.ndarray, r: np.ndarray) -> Projected:
+    """Project `A` (rows, directions) and `r` (rows,) off the model's own unknowns, of whose tangents `Q` (rows, unknowns) is the `basis`.
 
     Only inner products of projected directions are formed, (a - Q Q'a)'(b - Q Q'b) = a'b - (Q'a)'(Q'b): the projected directions themselves
     are never stored.
     """
-    Q = basis(J)
     imitated = Q.T @ A
     r = projected_off(r, Q)
 

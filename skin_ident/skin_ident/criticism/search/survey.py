@@ -14,6 +14,7 @@ from skin_ident.criticism.courses.course import bends_of_each_session
 from skin_ident.criticism.noise.estimate import RICHEST, less, noise_model
 from skin_ident.criticism.noise.pursuit import pursue
 from skin_ident.criticism.noise.whitening import Stacked, Whitener, stack
+from skin_ident.criticism.projection import basis
 from skin_ident.criticism.search.proposals import Direction, between
 from skin_ident.criticism.search.ranking import Projected, Ranked, project, rank
 from skin_ident.criticism.sessions.session import Session
@@ -120,7 +121,7 @@ def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], 
     free = unpressed(values(model, mine), mine, J.T @ r)
     # An unknown that is pressed against its bound, such as a mass of zero, explains nothing.
     J = (J @ sliding(mine, scales(model, mine), free))[:, free]
-    projected = project(which, A[:, own:known], J, r)
+    projected = project(which, A[:, own:known], basis(J), r)
     kept = {s.name: (s, rows[:known]) for s, rows in zip(sessions, every.rows, strict=True)}
     return Survey(model, noise, projected, tuple(r for r in rank(projected) if r.cause != AT_FULL_RATE), tuple(sessions), kept)
 
