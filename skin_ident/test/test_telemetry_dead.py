@@ -15,6 +15,7 @@ from skin_ident.criticism.record import inspect
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.telemetry.dead import apart, find_dead_taxels
 from skin_ident.criticism.telemetry.loose import contact_of
+from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.load import load
 from skin_ident.recordings.recording import Recording
 from skin_ident.report.appendix import untestable_rows
@@ -277,3 +278,40 @@ def test_a_taxel_that_dies_early_does_not_silence_what_the_others_say(tmp_path):
     assert ("lag", "taxel_1") in {(u["cause"], u.get("where")) for u in outcome.findings["untestable"]}
     (a, b), (c, d) = outcome.model.shares, diagnose(load(tmp_path / "sound")).model.shares
     assert b / a == pytest.approx(d / c, rel=0.03)
+
+
+def pressed(shares, step, noise=0.004, depth=0.5e-3, **declared):
+    """A minute of sines about a depth, or at rest in the air below zero, behind converters of one step."""
+    rng, t = np.random.default_rng(0), np.arange(6000) * 0.01
+    x = depth + 0.3e-3 * np.sin(0.5 * np.pi * t) * (depth > 0.0)
+    force = 12000.0 * np.maximum(x, 0.0)
+    taxels = np.array([np.round((s * force + noise * rng.standard_normal(t.size)) / step) * step for s in shares])
+    name = f"at_{1e3 * depth:.1f}_mm"
+    return Recording(name, t, np.round(x, 6), force + 0.02 * rng.standard_normal(t.size), taxels, declared=Declared(**declared))
+
+
+@pytest.mark.parametrize(("far_mm", "noise", "dead"), [(20, 0.004, False), (20, 0.1, False), (2, 0.004, True)])
+def test_a_taxel_too_far_away_for_its_converter_is_not_dead(far_mm, noise, dead):
+    """It reads zero throughout; next to the plunger, that would be too little."""
+    places = ((0, 0), (5, 0), (far_mm, 0))
+    r = pressed([0.6, 0.25, 0.0 if dead else 3e-7], 0.05, noise, taxel_positions_mm=places, taxel_step_n=(0.05,))
+    if dead:
+        r.taxels[2] = 0.0
+    assert [s.where for s in find_dead_taxels([r])] == ["taxel_2"] * dead
+    assert dead or noise > 0.05 or apart([r]) == ["taxel_2"]
+
+
+def test_a_taxel_whose_noise_ought_to_show_is_dead_wherever_it_lies():
+    """In the air the converters of the others flicker."""
+    places = ((0, 0), (5, 0), (20, 0))
+    recordings = [pressed([0.6, 0.25, 0.0], 0.05, 0.1, depth, taxel_positions_mm=places, taxel_step_n=(0.05,)) for depth in (0.5e-3, -1e-3)]
+    for r in recordings:
+        r.taxels[2] = 0.0
+    assert [s.where for s in find_dead_taxels(recordings)] == ["taxel_2"]
+
+
+def test_a_taxel_that_dies_is_not_said_to_be_dead_in_a_session_in_the_air():
+    dies, air = (pressed([0.6, 0.3], 0.05, 0.01, depth) for depth in (0.5e-3, -1e-3))
+    dies.taxels[0, dies.t > 40.0] = 0.0
+    (symptom,) = find_dead_taxels([air, dies])
+    assert [session for session, _ in symptom.bad] == [dies.name] and "nor anywhere" not in symptom.evidence["why"]

@@ -1,14 +1,14 @@
 """Dead taxels: stuck at one value, open from the start, dying part-way, or on and off, where the load says that they should have moved.
 
 Where nothing moves, nothing is asked of a taxel. A taxel far from the plunger reads nothing and is not dead: unless it is the only one, its
-place must promise it a reading (see `promise`).
+place must promise it a reading (see `promise`). Behind a coarse converter it may hold one value, zero, for as long as anybody records.
 """
 
 import numpy as np
 
 from skin_ident.criticism.pattern import in_sessions, listed
 from skin_ident.criticism.telemetry.loose import contact_of
-from skin_ident.criticism.telemetry.promise import promised
+from skin_ident.criticism.telemetry.promise import least_step, promised
 from skin_ident.criticism.telemetry.still import is_still
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 
@@ -24,6 +24,7 @@ FEWEST = 4  # tested dead pieces in a row up to the end of the session; or a lon
 PROMISED = 5.0  # converter steps, rms, by which a taxel should have moved if a constant reading is to count
 WHOLE = 0.8  # share of the usual slope, down to which it does not fade yet
 ALIKE = 0.6  # least ratio of a taxel's slopes in two sessions at the same place
+LONG = 20  # samples at rest, at least, that show whether a converter hides the noise
 MUCH = 0.5  # load's standard deviation, as a share of that in the session, that is much
 
 
@@ -41,7 +42,7 @@ def _silent(recordings: list, i: int, n: int) -> list[Symptom]:
     loads = [_load(r) for r in recordings]
     if all(load is None for load in loads):
         return []
-    if all(np.ptp(row) == 0.0 for row in rows):
+    if all(np.ptp(row) == 0.0 for row in rows) and not _may_be_far(recordings, i, n):
         level = float(rows[0][0])
         holds = f"{level:.4g}" if level else "0, or no number at all,"
         unread = "" if level else ": it is open, or was not recorded"
@@ -57,6 +58,24 @@ def _silent(recordings: list, i: int, n: int) -> list[Symptom]:
     follows = f"{name} does not follow the load in any of {len(rows)} sessions (largest correlation {r:.2f})"
     why = f"{follows}, {by}; it reads {level:.3g} N throughout"
     return [_symptom(name, n, 0.0, why, kind, level)]
+
+
+def _may_be_far(recordings: list, i: int, n: int) -> bool:
+    """Whether a taxel that holds one reading may only be too far away for its converter: it reads nothing, no place promises it more, and
+    the converters of the others hide their noise at rest, too; if there is no rest, its declared place must say so."""
+    if n == 1 or promised(recordings, i, n):
+        return False
+    level = max(abs(float(r.taxels[i][0])) for r in recordings)
+    others = (np.delete(r.taxels, i, axis=0)[:, _at_rest(r)] for r in recordings)
+    rests = [rows for rows in others if rows.shape[1] > LONG]
+    hidden = all(np.all(np.ptp(rows, axis=1) == 0.0) for rows in rests) if rests else bool(recordings[0].declared.taxel_positions_mm)
+    return hidden and level <= least_step(recordings, i)
+
+
+def _at_rest(recording) -> np.ndarray:
+    """Mask (N,) of the samples with next to no load."""
+    load = np.abs(_load(recording) if _load(recording) is not None else np.zeros(len(recording)))
+    return load <= GONE * load.max()
 
 
 def apart(recordings: list) -> list[str]:
@@ -107,7 +126,8 @@ def _dying(recordings: list, i: int, n: int) -> list[Symptom]:
         return _standing(recordings, i, n)
     lived = [(r, _usual(r, i)) for r in recordings if (r.name, name) in bad]
     rest = [r for r in recordings if (r.name, name) not in bad]
-    bad |= {(r.name, name): np.ones(len(r), bool) for r in rest if np.ptp(r.taxels[i]) == 0.0 or _is_open(r, i, lived)}
+    still = [r for r in rest if np.ptp(r.taxels[i]) == 0.0 and any(_would_move(r, i, other, usual) for other, usual in lived)]
+    bad |= {(r.name, name): np.ones(len(r), bool) for r in rest if r in still or _is_open(r, i, lived)}
     where = _silent_since(name, recordings, bad)
     follows = f"{name} follows the load {_while_it_lived(where['dead_from_s'])}"
     return [_symptom(name, n, when[0], follows, "dies", 0.0, bad, where)]

@@ -49,10 +49,23 @@ def _without_noise(recordings: list, i: int) -> str:
     return f"nor has it the noise of a taxel, which rig.yaml declares to be {levels[i]:.3g} N (it varies by {own:.2g} N)"
 
 
+def least_step(recordings: list, i: int) -> float:
+    """The converter step of taxel `i`, N: of a row that never changes, the declared one, or else the finest of the other taxels; 0 where
+    nothing tells."""
+    own = max((r.step(f"taxel_{i}") or 0.0 for r in recordings), default=0.0) or recordings[0].declared.of_taxel("taxel_step_n", i)
+    others = [r.step(f"taxel_{k}") for r in recordings for k in range(len(r.taxels)) if k != i]
+    return own or min(filter(None, others), default=0.0)
+
+
+def _unclear(r, i: int) -> float:
+    """What a reading must exceed to be more than noise or less than a converter's step, N."""
+    return CLEAR * max(float(np.std(r.taxels[i])), least_step([r], i) if np.ptp(r.taxels[i]) == 0.0 else 0.0)
+
+
 def _by_place(r, i: int) -> bool:
     load = r.force if r.force is not None else np.sum(r.taxels, axis=0)
     distance = 1e-3 * float(np.hypot(*np.subtract(r.declared.taxel_positions_mm[i], r.declared.contact_of(r.name)))) + AWAY
-    return SHARE * np.exp(-((distance / WIDTH) ** 2)) * float(np.std(load)) > CLEAR * float(np.std(r.taxels[i]))
+    return SHARE * np.exp(-((distance / WIDTH) ** 2)) * float(np.std(load)) > _unclear(r, i)
 
 
 def _pairs(r, i: int, n: int) -> list[tuple[int, int]]:
@@ -79,5 +92,5 @@ def _between(r, i: int, a: int, b: int) -> bool:
         return False
     own, *felt = (float(load @ r.taxels[k]) / energy for k in (i, a, b))
     least = min(felt)
-    clear = least * np.sqrt(energy / load.size) > CLEAR * float(np.std(r.taxels[i]))
+    clear = least * np.sqrt(energy / load.size) > _unclear(r, i)
     return least > FELT and clear and abs(own) < NOTHING * least
