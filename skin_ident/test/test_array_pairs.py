@@ -1,12 +1,25 @@
 """Two causes in the ratios of one array are both named, and one alone, of whatever form, stays one."""
 
+from dataclasses import replace
+from itertools import permutations
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from array_making import Spread, analysed, found, names, record_at
+from making import recording
 from world.effect import Effect
 
+from skin_ident.criticism.array.evidence import Fitted
+from skin_ident.criticism.array.extending import as_written
+from skin_ident.criticism.array.family import Family
+from skin_ident.criticism.array.hypotheses import Hypothesis
+from skin_ident.criticism.array.judgement import Judged
+from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.trying import Tried
+from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.sessions.session import prepare
 from skin_models.model_file import load_model, save_model
 from skin_models.signals import motion
 
@@ -101,3 +114,33 @@ def test_what_may_be_there_beside_the_named_one_is_in_doubt_and_not_excluded(tmp
     doubts = {(u["cause"], u["where"]): u["because"] for u in findings["untestable"] if u.get("in_doubt")}
     assert set(doubts) == {("gain_error", "taxel_1")} and "taxel_1 alone reads +6" in doubts["gain_error", "taxel_1"]
     assert ("gain_error", "taxel_1") not in {(e["cause"], e.get("where")) for e in findings["excluded"]}
+
+
+MEMBERS = {
+    ("gain_error", "taxel_1"): {"gain_1": 0.2},
+    ("off_centre", "rig"): {"shift_0": 6e-4},
+    ("crosstalk", "taxel"): {"leak": 0.08},
+    ("spread_width", "skin"): {"width": 0.12},
+    ("spread_shape", "skin"): {"power": 0.3},
+}
+
+
+def told(keys, member, layout) -> SimpleNamespace:
+    """An array in which causes were named, by their entries of a member of the family."""
+    free = [Hypothesis(*key, 0.1, dict.fromkeys(MEMBERS[key], 1.0)) for key in keys]
+    return SimpleNamespace(layout=layout, named=[SimpleNamespace(best=Judged(h, 9.0, Fitted(member, {}, 0.0), None)) for h in free])
+
+
+@pytest.mark.parametrize("keys", list(permutations(MEMBERS, 2)), ids=lambda k: " and ".join(c for c, _ in k))
+def test_a_model_with_two_causes_reads_what_was_measured_and_without_them_what_is_declared(keys):
+    layout = Layout(np.array([[5e-3 * i - 0.011, 0.0] for i in range(5)]), np.zeros((1, 2)), 5.25e-3, True, 0.005)
+    member = {name: value for key in keys for name, value in MEMBERS[key].items()}
+    measured, declared = (Family(layout).shares(m)[0] for m in (member, {}))
+    first = prepare(recording(shares=tuple(measured)))
+    model = replace(dispersion_start([first]), shares=tuple(measured))
+    written = as_written(model, told(keys, member, layout), first)
+    assert {e.key for e in written.effects} == set(keys)
+    read, now = model.simulate(first.motion).taxels, written.simulate(first.motion).taxels
+    assert np.allclose(now, read, atol=1e-4 * read.max())
+    if "crosstalk" not in {cause for cause, _ in keys}:  # of which the shares keep a part
+        assert np.allclose(np.array(written.shares) / written.shares[2], declared / declared[2], atol=0.01)

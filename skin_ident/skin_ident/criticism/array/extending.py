@@ -4,14 +4,15 @@ The shares of a model are measured ones. Here each is written as the share of th
 to its place, or the taxel calibrated again, the effect can be removed, and the shares are those of a rig without the fault.
 """
 
+from collections.abc import Iterable
 from dataclasses import replace
+from functools import reduce
 from typing import Any
 
 import numpy as np
 
 from skin_ident.criticism.array.analysis import ArrayCriticism
 from skin_ident.criticism.array.bending import Leaning, Settling, Widening
-from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.proposing import for_anybody, is_of_array
@@ -30,8 +31,11 @@ from skin_models.effects.spread_shape import SpreadShape
 from skin_models.effects.spread_width import SpreadWidth
 from skin_models.errors import ModelError
 from skin_models.model import Model
+from skin_models.signals import motion
 
 SILENT = 1e-3  # of the largest share, below which a share is too small to be scaled
+PRESS_S, PRESS_SAMPLES = 4.0, 400  # of the press in which readings are compared
+STEPS, PROBE = 3, 0.01  # of Newton's method; share of the largest share by which each is moved for its slope
 NO_FORM = "no: the simulated skin has no effect of this form"
 NOT_JUDGED = "no: a cause in the ratios of the taxels is written into the model only where the ratios of all taxels can be judged"
 TOO_LARGE = "no: an effect of the simulated skin cannot be as large as that"
@@ -49,12 +53,9 @@ def as_written(model: Model, a: ArrayCriticism | str, first: Session) -> Model:
         positions=tuple((float(x), float(y)) for x, y in own.places[0]),
         notes={**model.notes, **width},
     )
-    for e in filter(is_of_array, model.effects):
-        here = _with(here, known(e), np.ones(len(here.shares)))
-    for j in (t.best for t in a.named):
-        e = _effect(j, own)
-        here = _with(here, e, _heard(here, e) if isinstance(e, Crosstalk) else _factors(j, own))
-    return here
+    here = _with(here, [known(e) for e in model.effects if is_of_array(e)])
+    static = sorted((_effect(t.best, own) for t in a.named), key=lambda e: isinstance(e, Crosstalk))  # neighbours hear wrong gains, too
+    return _scaled(_with(here, static), here, float(first.motion.x.max())) if any(static) else here
 
 
 def unwritten(model: Model, a: ArrayCriticism | str) -> dict[Key, str]:
@@ -72,11 +73,32 @@ def unwritten(model: Model, a: ArrayCriticism | str) -> dict[Key, str]:
     return {key: NO_FORM for key, e in zip(keys, effects, strict=True) if e is None}
 
 
-def _with(model: Model, e: Effect | None, factors: np.ndarray) -> Model:
-    """The model with an effect that multiplies its shares by `factors`, and its shares divided by them."""
-    if e is None:
-        return model
-    return replace(model.extended(e), shares=tuple((np.array(model.shares) / factors).tolist()))
+def _with(model: Model, effects: Iterable[Effect | None]) -> Model:
+    """The model with effects, as far as there are any."""
+    return reduce(Model.extended, filter(None, effects), model)
+
+
+def _scaled(model: Model, measured: Model, depth: float) -> Model:
+    """The model with its shares divided by what its effects multiply them by, so that in a press to `depth`, m, its taxels read what those
+    of the model with `measured` shares read.
+
+    Effects act on what those before left, and crosstalk on all taxels at once; so the shares are found by Newton's method. Those of silent
+    taxels are kept.
+    """
+    t = np.linspace(0.0, PRESS_S, PRESS_SAMPLES)
+    press = motion(t, 0.5 * depth * (1.0 - np.cos(2.0 * np.pi * t / PRESS_S)))
+
+    def levels(shares: np.ndarray) -> np.ndarray:
+        """What the taxels read on average."""
+        return replace(model, shares=tuple(shares.tolist())).simulate(press).taxels.mean(axis=1)
+
+    wanted, shares = measured.simulate(press).taxels.mean(axis=1), np.array(measured.shares)
+    loud = np.flatnonzero(shares > SILENT * shares.max())
+    for _ in range(STEPS):
+        now, probe = levels(shares), PROBE * shares.max()
+        slopes = np.array([(levels(shares + probe * row) - now)[loud] for row in np.eye(shares.size)[loud]]).T / probe
+        shares[loud] = np.maximum(shares[loud] + np.linalg.lstsq(slopes, (wanted - now)[loud], rcond=None)[0], 0.0)
+    return replace(model, shares=tuple(shares.tolist()))
 
 
 def known(e: Any) -> Effect | None:
@@ -91,6 +113,11 @@ def known(e: Any) -> Effect | None:
     return None
 
 
+def _is_row(layout: Layout) -> bool:
+    """Whether the taxels lie in one row in the order of their numbers."""
+    return len(layout.axes) == 1 and len(set(np.sign(np.diff(layout.taxels @ layout.axes[0])))) == 1
+
+
 def _effect(j: Judged, layout: Layout) -> Effect | None:
     """The effect of the catalogue for a cause of the array; None if there is none of this form."""
     p, cause = j.fit.member, j.hypothesis.cause
@@ -100,7 +127,8 @@ def _effect(j: Judged, layout: Layout) -> Effect | None:
     if cause == "gain_error":
         return GainError(j.hypothesis.where, gain=float(p["gain_" + j.hypothesis.where.partition("_")[2]]))
     if cause == "crosstalk":
-        return None if "leak" not in j.hypothesis.free else Crosstalk("taxel", share=float(p["leak"]))
+        # Exact at the ends of a row; between two neighbours, of whom the effect takes the mean, the shares keep the rest. None for a plane.
+        return Crosstalk("taxel", share=float(p["leak"])) if "leak" in j.hypothesis.free and _is_row(layout) else None
     if cause == "spread_width":
         return SpreadWidth("skin", wider=float(np.expm1(p["width"])))
     if "tail" in j.hypothesis.free:
@@ -111,20 +139,3 @@ def _effect(j: Judged, layout: Layout) -> Effect | None:
     square, axes = np.linalg.eigh([[np.exp(-p["ratio"]), -turn], [-turn, np.exp(p["ratio"])]])
     along = axes[:, 0] if axes[0, 0] >= 0.0 else -axes[:, 0]
     return Anisotropy("skin", stretch=float(0.5 * np.log(square[1] / square[0])), angle=float(np.arctan2(along[1], along[0])))
-
-
-def _heard(model: Model, e: Crosstalk) -> np.ndarray:
-    """Factors (T,) by which crosstalk multiplies every share: the measured shares over those that give them once neighbours are added."""
-    shares = np.array(model.shares)
-    mixing = e.apply(np.eye(shares.size), None)
-    own = np.maximum(np.linalg.solve(mixing, shares), SILENT**2)
-    return np.maximum(shares, SILENT**2) / own
-
-
-def _factors(j: Judged, layout: Layout) -> np.ndarray:
-    """Factors (T,) by which the cause multiplies every share; 1 for silent taxels."""
-    family = Family(layout)
-    own = {name: value for name, value in j.fit.member.items() if name in j.hypothesis.free}
-    plain, bent = family.shares({})[0], family.shares(own)[0]
-    loud = (plain > SILENT * plain.max()) & (bent > 0.0)
-    return np.where(loud, bent / np.where(loud, plain, 1.0), 1.0)
