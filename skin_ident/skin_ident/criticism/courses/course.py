@@ -76,7 +76,9 @@ def beside_the_rest(model: Model, train: list[Session], held: list[Session], noi
 
 
 def _worthwhile(ground: "_Ground", encoder_step: float) -> list[Run]:
-    runs = [r for r in (_run(course, ground) for course in courses(ground.sessions[0])) if _shows_in_the_air(r, ground)]
+    runs = [
+        r for r in (_run(course, ground) for course in courses(ground.sessions[0])) if shows_in_the_air(r, ground.plain, ground.sessions)
+    ]
     untold = max((r for r in runs if not r.worth(encoder_step)), key=lambda r: r.score, default=None)
     able = [r for r in _of_sensors(runs, ground) if r.worth(encoder_step) and (untold is None or r.score > untold.score)]
     if not able and untold and untold.score > LEAST_SCORE:
@@ -84,15 +86,16 @@ def _worthwhile(ground: "_Ground", encoder_step: float) -> list[Run]:
     return sorted(able, key=lambda r: -r.score)
 
 
-def _shows_in_the_air(run: Run, g: "_Ground") -> bool:
-    """Whether a zero that jumps also lowers the error in the air, if there is any. One that only appears under load is no jump of a zero.
-    True for all other courses."""
-    if not run.course.jumps:
+def shows_in_the_air(run: Run, plain: dict[str, np.ndarray], sessions: list[Session]) -> bool:
+    """Whether a zero that is another in every session, or jumps, also lowers the error of the `plain` simulation (C, N), by name, in the
+    air of `sessions`, if there is any. One that only appears under load is no zero, but may be a skin that differs. True for all other
+    courses."""
+    if not (run.course.jumps or (run.course.carrier == ZERO and run.course.shape == CONSTANT)):
         return True
     (row,), before, after = run.course.rows, 0.0, 0.0
-    for s in g.sessions:
+    for s in sessions:
         air = s.motion.x <= 0.0 if s.drive is None else drive_rests(s)
-        e, zero = (s.bridged - g.plain[s.name])[row, air], run.values[s.name][row, air]
+        e, zero = (s.bridged - plain[s.name])[row, air], run.values[s.name][row, air]
         before, after = before + float(e @ e), after + float((e - zero) @ (e - zero))
     return after < before or not before
 

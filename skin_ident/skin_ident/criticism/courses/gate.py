@@ -8,7 +8,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.courses.carriers import DELAY, SLOPE, ZERO
-from skin_ident.criticism.courses.course import added, fitted
+from skin_ident.criticism.courses.course import added, fitted, shows_in_the_air
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, WAVE, Course
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.gate import MATERIAL_RMSE, Gain, gain_of_residuals
@@ -92,11 +92,14 @@ def _gain_in(course: Course, before: Model, after: Model, train: list[Session], 
 
 def helps(run: Run, before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> bool:
     """Whether `after` with such a course fitted to the held-out sessions is nearer to them than `before` without one, in the plain error of
-    the course's channels. If not, only one session had it, and that cannot be told from noise."""
+    the course's channels, and a zero in their air, too. If not, only one session had it, and that cannot be told from noise, or from a
+    skin that differs."""
     if not held:
         return True
     own = fitted(run.course, after, held, noise, left_open(after, train, held, noise))
-    return _left(run, after, added(held, own.values)) < _left(run, before, held)
+    return shows_in_the_air(own, {s.name: simulated(after, s) for s in held}, held) and _left(run, after, added(held, own.values)) < _left(
+        run, before, held
+    )
 
 
 def nearer(run: Run, model: Model, sessions: list[Session]) -> bool:
