@@ -13,7 +13,7 @@ from world.hidden import Hide
 
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.courses.carriers import SLOPE, ZERO
-from skin_ident.criticism.courses.course import _ground, _run, _shows_in_the_air
+from skin_ident.criticism.courses.course import _ground, _run, shows_in_the_air
 from skin_ident.criticism.courses.gate import _agrees, _share
 from skin_ident.criticism.courses.kinds import CONSTANT, STEPS, Course
 from skin_ident.criticism.diagnose import diagnose
@@ -192,7 +192,7 @@ def test_without_air_a_zero_that_jumps_is_judged_under_load():
     s, noise = stepping(DEPTH + 1e-3)
     ground = _ground(PLAIN, [s], noise)
     run = _run(STEP_OF_ZERO, ground)
-    assert run.score > 100.0 and _shows_in_the_air(run, ground)
+    assert run.score > 100.0 and shows_in_the_air(run, ground.plain, ground.sessions)
 
 
 @pytest.mark.parametrize("spikes", [5.0, 50.0])

@@ -5,7 +5,8 @@ beside the best cause, all pairs are compared: the best cause alone may stand fo
 is sure beside the other and predicts held-out sessions better than the other alone.
 
 Spread, crosstalk and the like fall smoothly with distance, and so does what is left by a spread of another form than those of the family.
-Two such causes are therefore never named together: the second might only mend the form of the first.
+Two such causes are therefore never named together: the second might only mend the form of the first. Nor are two of one taxel, which would
+rather lie elsewhere, nor one beside a stage whose axes are turned: with that, contacts that are each a little off their places agree.
 """
 
 from dataclasses import dataclass
@@ -104,12 +105,18 @@ def _two(shown: Shown, alone: Judgement, left: Judgement) -> tuple[Tried, ...]:
     one, other = best.causes
     first, second = shown.judged(beside=other), shown.judged(beside=one)
     sure = all(j.named is not None and j.named.key == h.key for j, h in ((first, one), (second, other)))
-    if not (sure and (_is_particular(one) or _is_particular(other))):
+    if not (sure and _may_be_together(first.causes[0].hypothesis, second.causes[0].hypothesis)):
         return ()
     near = [p for p in others if p.log > best.log - first.reach and not p.keys & best.keys]
     instead = {key: best.log - p.log for p in reversed(near) for key in p.keys}
     both = shown.tried(first, other, instead), shown.tried(second, one, instead)
     return both if all(t.passed for t in both) else ()
+
+
+def _may_be_together(one: Hypothesis, other: Hypothesis) -> bool:
+    """Whether two causes may be named together."""
+    free = {**one.free, **other.free}
+    return (_is_particular(one) or _is_particular(other)) and one.where != other.where and "axis" not in free
 
 
 def _is_particular(h: Hypothesis) -> bool:

@@ -1,27 +1,33 @@
 """Copies: blocks that repeat digit for digit, sessions that are identical, columns that hold the same numbers.
 
-Noise does not repeat. A window of many changing samples that occurs twice in all measured channels, or in one of them, was copied, whatever
-the clock or the encoder says at that time (see `repeats`). So was a channel that always equals another one.
+Noise does not repeat. A window of many changing samples that occurs twice was copied, whatever the clock or the encoder says at that time,
+if there is noise of several converter steps in it (see `repeats`). Through coarser steps the same motion and hum give the same numbers
+again, and the depth must tell: either it moved otherwise meanwhile, or it moved and repeats as well, and does so only where the forces do.
+A channel was copied if it equals another one whenever they change.
 """
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
-from skin_ident.criticism.telemetry.repeats import Repeat, repeats_of
+from skin_ident.criticism.telemetry.repeats import LIVELY, Repeat, repeats_of
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.telemetry.tails import smallest_step
-from skin_ident.estimators.scale import white_noise
+from skin_ident.estimators.scale import normal_scale, white_noise
 from skin_ident.recordings.digits import digits_of, nearest
-from skin_ident.stretches import marked
+from skin_ident.stretches import marked, runs
 
 VALUES = 12  # fewest different values that a column must hold
 FEW, LIKELY = 64, 0.8  # samples at which two columns are compared first, and the share that must be equal there
-EQUAL = 0.98  # share of equal samples from which a column is a copy
+EQUAL = 0.98  # share of equal samples from which a column is a copy, among those at which a reading changes
+WHOLE = 0.9  # share of a session from which a stretch is the session
+DEPTHS = 4  # fewest different depths in a stretch: the encoder repeats itself in a hold, whatever the forces do
 ELSEWHERE = 0.05  # share of its range by which the depth must differ between a stretch and its repetition in one channel
 NOISY = 2.0  # converter steps: white noise above it has three bits in every reading, so that no window of it occurs twice
 AROUND = 24  # samples on either side of a stretch, which may be too short to tell how large the noise is
+BEFORE = 4  # readings from which the next is foretold: two for hum, two for the motion
 COLUMN, SESSION = "copied column", "copied session"  # kinds of copies
 
 
@@ -38,7 +44,8 @@ def find_copies(recordings: list) -> list[Symptom]:
 
 
 def _blocks(recordings: list) -> list[Symptom]:
-    """Stretches that repeat in all channels, with the depth either repeating as well or clearly different, or in noise of a channel."""
+    """Stretches that repeat in all channels, with a moving depth that either repeats as well or is clearly different, or in noise of a
+    channel."""
     again = repeats_of([np.array([r.read(c) for c in r.channels]).T for r in recordings])
     again = [r for r in again if r.is_rare and _is_copied_whole(recordings, r)]
     return [_copy(recordings, again, tuple(recordings[0].channels))] if again else []
@@ -60,7 +67,9 @@ def _channel_blocks(recordings: list, known: dict[str, np.ndarray]) -> Iterator[
 def _is_copied_whole(recordings: list, again: Repeat) -> bool:
     """Whether a stretch that repeats in all channels, more often than chance explains, was copied."""
     here = recordings[again.at]
-    if _with_its_depth(recordings, again) or _moved_otherwise(recordings, again, next(iter(here.channels))):
+    if _is_session(recordings, again) or _moved_otherwise(recordings, again, next(iter(here.channels))):
+        return True
+    if _with_its_motion(recordings, again) and not _is_made_again(recordings, again):
         return True
     return any(_of_noise(here, again, c, _step(here, c)) for c in here.channels)
 
@@ -104,6 +113,37 @@ def _with_its_depth(recordings: list, again: Repeat) -> bool:
     return np.array_equal(at.read("depth", here), source.read("depth", there))
 
 
+def _is_session(recordings: list, again: Repeat) -> bool:
+    """Whether it is a session that repeats another one, with its depth. Neither hum nor a coarse converter lasts from end to end."""
+    return again.source != again.at and again.length >= WHOLE * len(recordings[again.at]) and _with_its_depth(recordings, again)
+
+
+def _with_its_motion(recordings: list, again: Repeat) -> bool:
+    """Whether there is a depth that moves in the stretch and repeats digit for digit, too."""
+    at, (here, _) = recordings[again.at], _places(again)
+    return at.depth is not None and np.unique(at.read("depth", here)).size >= DEPTHS and _with_its_depth(recordings, again)
+
+
+def _is_made_again(recordings: list, again: Repeat) -> bool:
+    """Whether a depth that repeats is only the same motion made again, as by a stepper or where the depth is commanded: well outside the
+    stretch it repeats at the same lag while the forces do not, or the motion is made a third time. It is a reason for coarse forces to
+    repeat, then, and no evidence that they were copied."""
+    at, source, late = recordings[again.at], recordings[again.source], again.start - again.origin
+    if again.at == again.source and again.length >= 2 * late:
+        return True
+    first, last = max(late, 0), min(len(at), len(source) + late)
+    depth = at.read("depth", slice(first, last))
+    same = depth == source.read("depth", slice(first - late, last - late))
+    same[max(again.start - AROUND - first, 0) : again.start + again.length + AROUND - first] = False
+    moves = np.cumsum(np.append(False, depth[1:] != depth[:-1]))
+    for begin, end in zip(*runs(same), strict=True):
+        if moves[end - 1] - moves[begin] >= LIVELY:
+            here, there = slice(first + begin, first + end), slice(first + begin - late, first + end - late)
+            if not all(np.array_equal(at.read(c, here), source.read(c, there)) for c in at.channels):
+                return True
+    return False
+
+
 def _moved_otherwise(recordings: list, again: Repeat, channel: str) -> bool:
     """Whether the depth (without one, another channel) differed while this channel changed. Otherwise a converter that is coarse beside the
     noise may repeat its readings, because the motion repeats or because the plunger does not touch."""
@@ -119,8 +159,16 @@ def _moved_otherwise(recordings: list, again: Repeat, channel: str) -> bool:
 
 def _of_noise(recording, again: Repeat, channel: str, step: float) -> bool:
     """Whether there is noise of several converter steps in and around the stretch, which does not repeat even where the motion does."""
-    around = slice(max(again.start - AROUND, 0), again.start + again.length + AROUND)
-    return white_noise(recording.channels[channel][around]) > NOISY * step
+    around = recording.channels[channel][max(again.start - AROUND, 0) : again.start + again.length + AROUND]
+    return min(white_noise(around), _unforeseen(around)) > NOISY * step
+
+
+def _unforeseen(y: np.ndarray) -> float:
+    """Scale of what the `BEFORE` readings before each of y (N,) do not foretell, in its unit: noise, but not hum, which near half the
+    sampling rate looks like noise in differences."""
+    known = sliding_window_view(y - np.mean(y), BEFORE + 1)
+    before, now = np.column_stack([known[:, :-1], np.ones(len(known))]), known[:, -1]
+    return normal_scale(now - before @ np.linalg.lstsq(before, now, rcond=None)[0])
 
 
 def _places(again: Repeat) -> tuple[slice, slice]:
@@ -132,7 +180,7 @@ def _copy(recordings: list, again: list[Repeat], channels: tuple[str, ...]) -> S
     """One symptom for all stretches, described by the longest."""
     first = max(again, key=lambda r: r.length)
     r, source = recordings[first.at], recordings[first.source]
-    whole = first.length >= 0.9 * len(r)
+    whole = first.length >= WHOLE * len(r)
     alone = f" in {channels[0]} alone" if len(channels) < len(r.channels) else ""
     if whole:
         why = f"{r.name} is a copy of {source.name}{alone}: {first.length} of its {len(r)} samples are the same digit for digit"
@@ -159,18 +207,19 @@ def _columns(recordings: list) -> list[Symptom]:
         y = np.concatenate([r.read(channel) for r in recordings])
         if np.unique(y).size < VALUES:
             continue
-        equal = next(((names, share) for first, names in groups if (share := _equal(y, first)) > EQUAL), None)
+        changes = _changes(y)
+        equal = next(((names, share) for first, names in groups if (share := _equal(y, changes, first)) > EQUAL), None)
         if equal:
             equal[0][channel] = equal[1]
         else:
             groups.append((y, {channel: 1.0}))
     found = []
-    for first, group in groups:
+    for _, group in groups:
         names, same = list(group), list(group)[1:]
         if same:
             share = group[same[0]]
             hold = f"{', '.join(same[:8])} {'holds' if len(same) == 1 else 'hold'}"
-            why = f"{hold} the same numbers as {names[0]} in {100 * share:.3g} % of {first.size} samples, and "
+            why = f"{hold} the same numbers as {names[0]} in {100 * share:.3g} % of the samples at which they change, and "
             why += "is judged no further" if len(same) == 1 else "are judged no further"
             where = sensor_of(same[0], len(recordings[0].taxels))
             found.append(Symptom("data_error", where, (names[0], *same), {}, {"why": why, "kind": COLUMN, "copies": len(same)}))
@@ -189,7 +238,14 @@ def emptied(recording, copies: tuple[str, ...]):
     return recording.with_channels(dict.fromkeys(copies, np.zeros(len(recording)))) if copies else recording
 
 
-def _equal(a: np.ndarray, b: np.ndarray) -> float:
-    """Share of samples in which two rows (N,) are equal; 0 where a small sample of them already shows that it is low."""
-    few = slice(None, None, max(a.size // FEW, 1))
-    return float(np.mean(a == b)) if np.mean(a[few] == b[few]) > LIKELY else 0.0
+def _changes(y: np.ndarray) -> np.ndarray:
+    """Mask (N,) of the samples of a row at which its reading differs from the one before."""
+    return np.append(False, y[1:] != y[:-1])
+
+
+def _equal(a: np.ndarray, changes: np.ndarray, b: np.ndarray) -> float:
+    """Share of samples in which two rows (N,) are equal, among those at which either changes: at rest coarse taxels hold the same number.
+    0 where a small sample of the `changes` (N,) of the first already shows that it is low."""
+    few = np.flatnonzero(changes)
+    few = few[:: max(few.size // FEW, 1)]
+    return float(np.mean((a == b)[changes | _changes(b)])) if np.mean(a[few] == b[few]) > LIKELY else 0.0

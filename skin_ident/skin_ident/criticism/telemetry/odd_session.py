@@ -22,7 +22,18 @@ from scipy.optimize import linear_sum_assignment
 from skin_ident.criticism.pattern import in_sessions, when
 from skin_ident.criticism.telemetry.more_than_applied import in_newtons
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
-from skin_ident.criticism.telemetry.units import AGAINST, FACTORS, FOLLOWS, NEAR_FACTOR, by_grid, load_of, pressed
+from skin_ident.criticism.telemetry.units import (
+    AGAINST,
+    FACTORS,
+    FOLLOWS,
+    NEAR_FACTOR,
+    by_grid,
+    follows,
+    load_of,
+    pressed,
+    presses_elsewhere,
+    told_signs,
+)
 from skin_ident.criticism.vocabulary import SWAPPED, UNIT_FACTOR
 from skin_ident.quality import FAR_TOO_MUCH, MOST_FELT
 
@@ -98,14 +109,15 @@ def _in_newtons(recordings: list) -> tuple[list, list[Symptom]]:
 
 
 def _upright(recordings: list) -> tuple[list, list[Symptom]]:
-    """Taxels that are upside down in all sessions, with their sign turned."""
+    """Taxels that are upside down in all sessions that tell a sign, if most do, with their sign turned."""
     symptoms = []
     for channel in (c for c in recordings[0].channels if c != "force"):
-        if any(load_of(r, channel) is None for r in recordings):
-            continue
-        follows = [_follows(r, channel) for r in recordings]
-        if max(follows) < AGAINST:
-            falls = f"{channel} falls while the load rises in all sessions (correlation {follows[0]:.2f} in {recordings[0].name})"
+        told = told_signs(recordings, channel)
+        asked = np.isfinite(told)
+        if 2 * asked.sum() > len(told) and max(told[asked]) < AGAINST:
+            first = int(np.argmax(asked))
+            every = "all sessions" if asked.all() else f"all {asked.sum()} sessions whose load moves"
+            falls = f"{channel} falls while the load rises in {every} (correlation {told[first]:.2f} in {recordings[first].name})"
             evidence = {"why": f"{falls}: its sign is wrong. It is judged with its sign reversed", "kind": "sign"}
             where = sensor_of(channel, len(recordings[0].taxels))
             symptoms.append(Symptom("data_error", where, (channel,), {"factor": quantity(-1.0, "1")}, evidence))
@@ -134,16 +146,19 @@ def _not_in_thousandths(recordings: list) -> tuple[list, list[Symptom]]:
 
 def _felt(recording, channel: str) -> float:
     """The slope of a channel over the force, N/N; 0 where it does not follow the load, or there is none."""
-    if load_of(recording, channel) is None or abs(_follows(recording, channel)) <= FOLLOWS:
+    if load_of(recording, channel) is None or abs(follows(recording, channel)) <= FOLLOWS:
         return 0.0
     x = recording.channels["force"] - recording.channels["force"].mean()
     return abs(float(x @ recording.channels[channel] / max(x @ x, 1e-300)))
 
 
 def _places(recordings: list) -> Iterator[list[int]]:
-    """Indices of the sessions that press at one place, for places with two sessions or more."""
+    """Indices of the sessions that press at one place, for places with two sessions or more. Without those that hold their load, since
+    nothing in them can be compared."""
     places: dict[tuple[float, float], list[int]] = {}
     for i, r in enumerate(recordings):
+        if all(load_of(r, c) is None for c in r.channels):
+            continue
         places.setdefault(tuple(r.declared.contact_of(r.name)), []).append(i)
     yield from (group for group in places.values() if len(group) > 1)
 
@@ -165,31 +180,26 @@ def _slope(recording, channel: str) -> float:
     return float(x @ (y - y.mean()) / max(x @ x, 1e-300))
 
 
-def _follows(recording, channel: str) -> float:
-    """Correlation with the load."""
-    x, y = load_of(recording, channel), recording.channels[channel]
-    return 0.0 if np.ptp(y) == 0.0 else float(np.corrcoef(x, y)[0, 1])
-
-
 def _turned(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
     """A channel that is upside down in a session and upright in most of the others."""
     for channel in names:
-        follows = [_follows(r, channel) for r in group]
-        wrong = [i for i, q in enumerate(follows) if q < AGAINST]
-        if 0 < 2 * len(wrong) < len(group) and sum(q > -AGAINST for q in follows) == len(group) - len(wrong):
+        told = told_signs(group, channel)
+        wrong, upright, asked = np.flatnonzero(told < AGAINST), np.sum(told > -AGAINST), np.sum(np.isfinite(told))
+        if 0 < 2 * len(wrong) < asked == len(wrong) + upright:
             r = group[wrong[0]]
             alone = "alone " if len(wrong) == 1 else ""
-            why = f"{channel} falls while the load rises in {r.name} {alone}(correlation {follows[wrong[0]]:.2f}): its sign is wrong there"
-            return _of_channel(group, wrong[0], channel, -1.0, why, "sign")
+            why = f"{channel} falls while the load rises in {r.name} {alone}(correlation {told[wrong[0]]:.2f}): its sign is wrong there"
+            return _of_channel(group, int(wrong[0]), channel, -1.0, why, "sign")
     return None
 
 
 def _scaled(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
     """A channel that is in other units in one session."""
-    sure = np.array([all(_follows(r, c) > FOLLOWS for r in group) for c in names], bool)
+    sure = np.array([all(follows(r, c) > FOLLOWS for r in group) for c in names], bool)
     channels = [c for c, q in zip(names, sure, strict=True) if q]
     logs = np.log(np.abs(slopes[:, sure])) if channels else np.empty((len(group), 0))
     found = [(abs(np.log(f)), i, c, f) for i in range(len(group)) for c in range(len(channels)) if (f := _factor(logs, i, c))]
+    found = [q for q in found if channels[q[2]] == "force" or not presses_elsewhere(_of_other_taxels(logs, channels, *q[1:3]))]
     if not found:
         return None
     _, i, c, factor = max(found, key=lambda q: (q[0], q[3]))
@@ -199,7 +209,7 @@ def _scaled(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
 
 def _deep(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
     """A session whose depth is in another unit of length."""
-    if group[0].depth is None or not names or not all(_follows(r, c) > FOLLOWS for r in group for c in names):
+    if group[0].depth is None or not names or not all(follows(r, c) > FOLLOWS for r in group for c in names):
         return None
     stiff = np.log(np.abs(slopes)).mean(axis=1)
     spans = np.log([np.ptp(r.depth) for r in group])
@@ -241,6 +251,13 @@ def _beside(logs: np.ndarray, i: int, c: int) -> float:
     apart = logs[i] - np.median(np.delete(logs, i, axis=0), axis=0)
     rest = np.delete(apart, c)
     return float(apart[c] - (np.median(rest) if rest.size else 0.0))
+
+
+def _of_other_taxels(logs: np.ndarray, channels: list[str], i: int, c: int) -> list[float]:
+    """Ratios of session `i`'s slopes to the other sessions', over their median, for all taxels but the one in column `c`."""
+    apart = logs[i] - np.median(np.delete(logs, i, axis=0), axis=0)
+    rest = [k for k in range(len(channels)) if k != c]
+    return [float(np.exp(apart[k] - np.median(apart[rest]))) for k in rest if channels[k] != "force"]
 
 
 def _of_channel(group: list, i: int, channel: str, factor: float, why: str, kind: str) -> _Fault:

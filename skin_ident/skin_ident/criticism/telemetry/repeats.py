@@ -1,7 +1,8 @@
 """Stretches of a record that occurred before, digit for digit, and how long they must be to exceed chance.
 
 Noise does not repeat. But where a converter is coarse beside the noise, the same motion gives the same numbers for a while. How often short
-windows recur in these recordings shows how long chance can last.
+windows recur in these recordings shows how long chance can last. It shows nothing of what is periodic: hum that is as long as a few samples
+goes through the same numbers for as long as a hold lasts, and meets them again in the next.
 """
 
 from collections.abc import Iterator
@@ -10,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from skin_ident.criticism.telemetry.sent_twice import sent_twice
+from skin_ident.criticism.telemetry.sent_twice import is_periodic, sent_twice
 from skin_ident.recordings.digits import MULTIPLIER
 
 WINDOW = 24  # samples of a window, more than of those that measure chance
@@ -45,13 +46,15 @@ class Repeat:
 
 
 def repeats_of(rows: list[np.ndarray]) -> list[Repeat]:
-    """Repeats in readings (N, C) of each recording, the longest first; after them short blocks that were sent twice in a row."""
+    """Repeats in readings (N, C) of each recording, the longest first; after them short blocks that were sent twice in a row. What is
+    periodic in itself is left out."""
     codes = _codes(rows)
     every = sorted(_repeats(codes), key=lambda r: -r.length)
     expected = _by_chance(codes, every) if every else None
     long = [replace(r, by_chance=expected(r.lively)) for r in every]
     short = [Repeat(k, start, k, origin, *rest) for k, start, origin, *rest in sent_twice(codes, WINDOW)]
-    return [*long, *(r for r in short if r.is_rare and not any(r.is_part_of(other) for other in long))]
+    through = [r for r in long if not is_periodic(codes[r.at][r.start : r.start + r.length], WINDOW)]
+    return [*through, *(r for r in short if r.is_rare and not any(r.is_part_of(other) for other in long))]
 
 
 def _codes(rows: list[np.ndarray]) -> list[np.ndarray]:

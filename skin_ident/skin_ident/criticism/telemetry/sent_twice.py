@@ -5,8 +5,11 @@ one distance only, its own length, and may be as short as half a dozen samples.
 
 Chance is judged from the runs of equal readings that are no whole blocks. They become fewer with their length, and the fall from one length
 to the next is continued to the length of the block: the fall at all distances together, which many runs tell, or at the block's own, where
-what is periodic recurs, whichever is slower. A block that is periodic in itself is none: hum near half the sampling rate, seen through a
-coarse converter, alternates between two readings for as long as a hold lasts.
+what is periodic recurs, whichever is slower.
+
+What is periodic is no block sent twice, but counts among those runs: hum, seen through a coarse converter, goes through the same readings
+for as long as a hold lasts. Near half the sampling rate it alternates between two of them. Where its period is the block, it goes on for
+longer than the block's repetition or, where noise interrupts it, on either side.
 """
 
 from collections.abc import Iterator
@@ -17,6 +20,7 @@ from skin_ident.stretches import runs
 
 SHORTEST = 6  # samples of a block
 PERIODIC = 0.9  # share of a block's readings that recur at a fraction of its length where it is periodic in itself
+RECURRING = 0.5  # share of those that change, and of the readings on either side, that recur where a block is periodic
 MANY, FEW_MORE = 30, 3  # runs from which their fall is known, and the number by which luck may have made the next too few
 
 
@@ -31,10 +35,11 @@ def sent_twice(codes: list[np.ndarray], longest: int) -> Iterator[tuple[int, int
         parts.append(np.zeros(0, int))
         for k, (row, c) in enumerate(zip(codes, changes, strict=True)):
             starts, ends = runs(row[d:] == row[:-d])
-            lively, full = c[d + ends] - c[d + starts], ends - starts >= d
+            lively = c[d + ends] - c[d + starts]
+            full = ends - starts >= d
+            full[full] = [not _goes_on(row, start, end, d) for start, end in zip(starts[full], ends[full], strict=True)]
             parts[-1] = np.append(parts[-1], lively[~full])
-            blocks = ((k, d, *map(int, block)) for block in zip(starts[full], ends[full], lively[full], strict=True))
-            whole += [block for block in blocks if not _periodic(row[block[2] : block[3] + d], d)]
+            whole += [(k, d, *map(int, block)) for block in zip(starts[full], ends[full], lively[full], strict=True)]
     if not whole or readings < MANY:  # of a sensor that stands still nothing is known
         return
     _, fall = _tail(_at_least(np.concatenate(parts), readings * len(distances)), FEW_MORE)
@@ -44,9 +49,25 @@ def sent_twice(codes: list[np.ndarray], longest: int) -> Iterator[tuple[int, int
         yield k, d + start, start, end - start, lively, float(len(distances) * expected)
 
 
-def _periodic(readings: np.ndarray, d: int) -> bool:
-    """Whether a block of `d` readings and its repetition recur at half of its length or less, but for a few readings."""
-    return any(np.mean(readings[p:] == readings[:-p]) >= PERIODIC for p in range(2, d // 2 + 1))
+def _goes_on(row: np.ndarray, start: int, end: int, d: int) -> bool:
+    """Whether the readings of a row from `start` on, of which those up to `end` recur `d` later, are periodic: with a period of `d`, which
+    they have for longer than two repetitions or on either side as well, or with one of half of it or less."""
+    first, last = max(start - d, 0), end + 2 * d
+    same = row[first + d : last] == row[first : last - d][: row.size - d - first]
+    beside = np.append(same[: start - first], same[end - first :])
+    recur = np.count_nonzero(beside) > RECURRING * beside.size
+    return recur or end - start > 2 * d or is_periodic(row[start : end + d], d // 2)
+
+
+def is_periodic(readings: np.ndarray, longest: int) -> bool:
+    """Whether readings recur, but for a few, with a period of `longest` samples or less that they hold twice. Those that change must do so,
+    too: a coarse reading that moves slowly is the same a few samples later, and yet not periodic."""
+    changes = np.append(False, readings[1:] != readings[:-1])
+    for p in range(2, min(longest, readings.size // 2) + 1):
+        same, changed = readings[p:] == readings[:-p], changes[p:]
+        if np.mean(same) >= PERIODIC and np.count_nonzero(same & changed) >= RECURRING * np.count_nonzero(changed):
+            return True
+    return False
 
 
 def _at_least(lively: np.ndarray, readings: int) -> np.ndarray:

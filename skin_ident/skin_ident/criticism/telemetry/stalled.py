@@ -2,6 +2,10 @@
 
 A plunger at rest stands still, too, and coarse converters show the same row for long. But it then starts no faster than a stage can. If the
 signal leaps by several times the longest step that the motion has otherwise, the plunger moved while the rows stood still.
+
+Where moves are rare, that longest step is no more than a flicker of the encoder, and every move is a leap. So the plunger must also be seen
+to move, in smaller steps, for as long before the rows stood or after they leapt: one that only rests, jumps and rests again may have done
+just that.
 """
 
 import numpy as np
@@ -13,6 +17,8 @@ from skin_models.words import counted
 FEWEST = 8  # samples that repeat one row, the fewest of a stretch
 LEAPS = 5.0  # times the step that `USUAL` percent of the samples do not exceed
 USUAL = 99.9  # percentile of the steps
+TRAVEL = 0.1  # of the leap, the least that the motion beside it goes
+ONE_STEP = 0.3  # of this travel, the most of a single step
 
 
 def find_stalled(recordings: list) -> list[Symptom]:
@@ -36,4 +42,18 @@ def _stalls(recording) -> list[tuple[int, int]]:
     steps = np.abs(np.diff(np.vstack([*([] if recording.depth is None else [recording.depth]), *recording.channels.values()])))
     leap = LEAPS * np.percentile(np.abs(np.diff(moves)), USUAL)
     ends = [(int(a) + 1, int(b) + 1) for a, b in zip(*runs(np.all(steps == 0.0, axis=0)), strict=True) if b - a >= FEWEST]
-    return [(a, b) for a, b in ends if b < len(recording) and abs(moves[b] - moves[b - 1]) > leap > 0.0]
+    leaps = [(a, b) for a, b in ends if b < len(recording) and abs(moves[b] - moves[b - 1]) > leap > 0.0]
+    return [(a, b) for a, b in leaps if _amid_motion(np.diff(moves), a, b, [end for _, end in leaps])]
+
+
+def _amid_motion(changes: np.ndarray, a: int, b: int, ends: list[int]) -> bool:
+    """Whether a signal with these changes (N - 1,) moves in small steps before or after samples `a` to `b` repeat a row. Leaps at the
+    `ends` of other stretches are left out."""
+    leap, others = abs(changes[b - 1]), changes.copy()
+    others[np.array(ends) - 1] = 0.0
+    around = [part for part in (others[max(2 * a - b - 1, 0) : a - 1], others[b : 2 * b - a]) if part.size]
+    longest = [float(np.abs(part).max()) for part in around]
+    gone = [float(abs(part.sum())) for part in around]
+    if max(longest, default=0.0) * LEAPS > leap:
+        return False
+    return any(travel > TRAVEL * leap and most < ONE_STEP * travel for travel, most in zip(gone, longest, strict=True))

@@ -19,6 +19,10 @@ PIECES = 12  # pieces of a session, each tested for its grid
 FOLLOWS = 0.5  # correlation with the load, without which a slope means nothing
 WITHIN, ENOUGH = 0.3, 0.1  # share of the greatest depth beyond which contact is sure; share of the samples that must be there
 AGAINST = -0.6  # correlation with the load below which a channel is upside down
+# Range of a load as a share of its greatest magnitude. Up to the first, the load is held: a stage that gives way while the skin relaxes
+# deepens as the force falls, and a slope says nothing of the skin. From the second on, a relaxation cannot pass for a wrong sign.
+HELD, FAIR = 0.05, 0.2
+SAME = 0.8  # least ratio of a taxel's slopes in two sessions at one place
 
 
 def find_unit_faults(recordings: list) -> list[Symptom]:
@@ -81,14 +85,16 @@ def by_grid(recordings: list, channel: str) -> list[Symptom]:
 
 def _by_slope(recordings: list, channel: str) -> list[Symptom]:
     """Sessions whose slope against the load differs from the others' by a factor of units, one symptom for each factor. Not tested for
-    taxels of sessions that press at different places, where the slope depends on the place."""
+    taxels of sessions that press at different places, declared or not, where the slope depends on the place."""
     if recordings[0].spread is not None and channel != "force":
         return []
-    slopes = np.array([_slope(r, channel) for r in recordings])
-    if len(slopes) < 2 or not np.all(np.isfinite(slopes)) or np.any(np.abs(slopes) < 1e-9):
+    recordings = [r for r in recordings if load_of(r, channel) is not None]
+    if len(recordings) < 2:
         return []
-    ratios = slopes / np.median(slopes)
-    near = [next((f for f in FACTORS if abs(ratio / f - 1.0) < NEAR_FACTOR), None) for ratio in ratios]  # some are near each other
+    ratios = _ratios(recordings, channel)
+    near = [near_factor(ratio) for ratio in ratios]  # some are near each other
+    rest = [] if channel == "force" else [_ratios(recordings, c) for c in recordings[0].channels if c not in ("force", channel)]
+    near = [None if presses_elsewhere([own[i] for own in rest]) else f for i, f in enumerate(near)]
     found = []
     for factor in dict.fromkeys(f for f in near if f):
         odd = [i for i, f in enumerate(near) if f == factor]
@@ -96,6 +102,23 @@ def _by_slope(recordings: list, channel: str) -> list[Symptom]:
         why = f"{channel} of {listed(names)} is {np.median(ratios[odd]):.4g} times what the other sessions say: a factor of units"
         found.append(_unit(recordings, channel, factor, why, UNIT_FACTOR, names))
     return found
+
+
+def _ratios(recordings: list, channel: str) -> np.ndarray:
+    """A channel's slope in every session (S,), over their median; NaN in all if it does not follow the load in one."""
+    slopes = np.array([_slope(r, channel) for r in recordings])
+    return slopes / np.median(slopes) if np.all(np.abs(slopes) >= 1e-9) else np.full(len(slopes), np.nan)
+
+
+def near_factor(ratio: float) -> float | None:
+    """The factor of units that a ratio of slopes is near to."""
+    return next((f for f in FACTORS if abs(ratio / f - 1.0) < NEAR_FACTOR), None)
+
+
+def presses_elsewhere(ratios: Sequence[float]) -> bool:
+    """Whether a session presses at another place than the others, though nobody declared it: from the `ratios` of its slopes to theirs for
+    the taxels beside the one that is tested. Some are then far from one, and they are no factors of units."""
+    return any((r < SAME or r > 1.0 / SAME) and not near_factor(r) for r in ratios)
 
 
 def _unit(recordings: list, channel: str, factor: float, why: str, kind: str, sessions: Sequence[str] = ()) -> Symptom:
@@ -106,24 +129,47 @@ def _unit(recordings: list, channel: str, factor: float, why: str, kind: str, se
 
 def _upside_down(recordings: list, channel: str) -> list[Symptom]:
     """A channel that falls while the load rises."""
-    rows = [
-        (np.corrcoef(r.channels[channel], load)[0, 1], r)
-        for r in recordings
-        if (load := load_of(r, channel)) is not None and np.ptp(r.channels[channel]) > 0
-    ]
-    wrong = [(c, r) for c, r in rows if c < AGAINST]
-    if not wrong:
+    told = told_signs(recordings, channel)
+    wrong = np.flatnonzero(told < AGAINST)
+    if not wrong.size:
         return []
-    falls = f"{channel} falls while the load rises (correlation {wrong[0][0]:.2f} in {wrong[0][1].name})"
-    why = f"{falls}: its sign is wrong in {len(wrong)} of {len(recordings)} sessions"
+    falls = f"{channel} falls while the load rises (correlation {told[wrong[0]]:.2f} in {recordings[wrong[0]].name})"
+    why = f"{falls}: its sign is wrong in {wrong.size} of {len(recordings)} sessions"
     return [Symptom("data_error", _place(channel, recordings), (channel,), {"factor": quantity(-1.0, "1")}, {"why": why, "kind": "sign"})]
 
 
+def told_signs(recordings: list, channel: str) -> np.ndarray:
+    """A channel's correlation with the load in every session (S,), which tells its sign; NaN where the load does not move enough to tell
+    it, 0 where the channel holds one reading."""
+    return np.array([_sign(r, channel) if _moves_enough(load_of(r, channel)) else np.nan for r in recordings])
+
+
+def _sign(recording, channel: str) -> float:
+    """Correlation with the load, or that in the second half alone if it is greater: a wrong sign stays to the end, but what the skin still
+    relaxes from a touch before the recording dies away."""
+    x, y, half = load_of(recording, channel), recording.channels[channel], len(recording) // 2
+    told = np.ptp(x[half:]) > HELD * np.max(np.abs(x)) and np.ptp(y[half:]) > 0.0
+    return max(follows(recording, channel), float(np.corrcoef(x[half:], y[half:])[0, 1]) if told else -1.0)
+
+
+def _moves_enough(load: np.ndarray | None) -> bool:
+    """Whether a load ranges over a fair share of its greatest magnitude. Single samples do not count: they may be spikes of an encoder."""
+    if load is None:
+        return False
+    low, high = np.percentile(load, (1.0, 99.0))
+    return bool(high - low >= FAIR * np.percentile(np.abs(load), 99.0))
+
+
+def follows(recording, channel: str) -> float:
+    """Correlation with the load."""
+    x, y = load_of(recording, channel), recording.channels[channel]
+    return 0.0 if np.ptp(y) == 0.0 else float(np.corrcoef(x, y)[0, 1])
+
+
 def load_of(recording, channel: str) -> np.ndarray | None:
-    """The load that a channel responds to: the depth (N,) m, or the force that drives a test without depth, N; None where it does not
-    move."""
+    """The load that a channel responds to: the depth (N,) m, or the force that drives a test without depth, N; None where it is held."""
     load = recording.depth if recording.depth is not None else recording.force if channel != "force" else None
-    return load if load is not None and np.ptp(load) > 0.0 else None
+    return load if load is not None and np.ptp(load) > HELD * np.max(np.abs(load)) else None
 
 
 def pressed(recording) -> np.ndarray:
@@ -136,9 +182,9 @@ def pressed(recording) -> np.ndarray:
 
 
 def _slope(recording, channel: str) -> float:
-    x, y = load_of(recording, channel), recording.channels[channel]
-    if x is None or np.ptp(y) == 0.0 or abs(np.corrcoef(x, y)[0, 1]) < FOLLOWS:
+    if load_of(recording, channel) is None or abs(follows(recording, channel)) < FOLLOWS:
         return float("nan")
+    x, y = load_of(recording, channel), recording.channels[channel]
     x = x - x.mean()
     return float(x @ (y - y.mean()) / (x @ x))
 
