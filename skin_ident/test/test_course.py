@@ -195,6 +195,16 @@ def test_without_air_a_zero_that_jumps_is_judged_under_load():
     assert run.score > 100.0 and shows_in_the_air(run, ground.plain, ground.sessions)
 
 
+@pytest.mark.parametrize(("stiffer", "zero", "shows"), [(0.9, 0.0, False), (1.0, -0.1, True), (0.99, -0.1, True)])
+def test_a_zero_of_a_session_shows_in_its_air_and_a_skin_that_differs_does_not(stiffer, zero, shows):
+    r = recorded(PLAIN, np.where(T < 4.0, -2e-4, DEPTH))
+    s = prepare(replace(r, force=stiffer * r.force + zero))
+    ground = _ground(PLAIN, [s], fit_whitener([residual(PLAIN, prepare(r))], [prepare(r)]))
+    run = _run(replace(STEP_OF_ZERO, shape=CONSTANT), ground)
+    assert run.score > 100.0 and run.largest > 0.05
+    assert shows_in_the_air(run, ground.plain, ground.sessions) == shows
+
+
 @pytest.mark.parametrize("spikes", [5.0, 50.0])
 def test_samples_that_are_ruled_out_make_no_zero_faint(spikes):
     shares = []
