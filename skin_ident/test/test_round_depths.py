@@ -8,6 +8,7 @@ from scipy.signal import lfilter
 from skin_ident.criticism.telemetry.quantization import depth_step, find_quantization, undeclared_steps
 from skin_ident.criticism.telemetry.stalled import find_stalled
 from skin_ident.recordings.declared import Declared
+from skin_ident.recordings.levels import step_of
 from skin_ident.recordings.recording import Recording
 
 MICROMETRE = Declared(encoder_step_um=1.0, force_step_n=0.02, taxel_step_n=(0.02,))
@@ -107,3 +108,17 @@ def test_rare_presses_of_a_stage_are_no_repeated_rows(seed, ramp):
     x = staircase(np.arange(16) % 2, 5e-4, 0.1, 250.0, ramp)
     r = read(0.1, x + 1e-6 * (rng.random(x.size) < 0.01), 12e3 * x, noise=0.002, seed=seed)
     assert find_stalled([r]) == []
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_motion_at_one_speed_is_no_step_where_holds_flicker_by_less(seed):
+    """A stage at 1 mm/s goes 10 um a sample at 100 Hz, and its encoder reads 1 um."""
+    rng = np.random.default_rng(seed)
+    way = [-0.8e-3]
+    for depth in (0.9e-3, -0.8e-3):
+        steps = max(int(abs(depth - way[-1]) / 1e-5), 1)
+        way += [*np.linspace(way[-1], depth, steps + 1)[1:], *np.full(1200, depth)]
+    y = np.round((np.array(way) + 0.2e-6 * rng.standard_normal(len(way))) / 1e-6) * 1e-6
+    assert step_of(y) == pytest.approx(1e-6)
+    coarse = np.round(np.array(way) / 1e-5) * 1e-5
+    assert step_of(coarse) == pytest.approx(1e-5)
