@@ -12,7 +12,7 @@ from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.sentences import SCAN, farthest, separating, shift_of, why
 from skin_ident.criticism.array.trying import Tried
 from skin_ident.criticism.telling.entry import Entry, alternative
-from skin_ident.criticism.vocabulary import BY_NAME
+from skin_ident.criticism.vocabulary import BY_NAME, Key
 from skin_ident.estimators.estimate import HALF_95
 
 ALL = ("off_centre", "crosstalk", "spread_width", "spread_shape", "anisotropy")
@@ -39,7 +39,10 @@ def _entry(a: ArrayCriticism, t: Tried) -> dict[str, Any]:
     changed = t.judgement.may_have_changed
     if changed:
         others.append(("gain_error", changed, max(float(2.0 * (best.log_odds - t.judgement.changed[1])), 0.0)))
-    others = [o for o in ((*best.key, 0.0), *others, *((*d, 0.0) for d in dead)) if o[:2] != (cause, where)]
+    apart: dict[Key, float] = {}
+    for *key, lower in ((*best.key, 0.0), *others, *((*d, 0.0) for d in dead)):
+        apart[tuple(key)] = min(lower, apart.get(tuple(key), np.inf))
+    others = [(*key, lower) for key, lower in apart.items() if key != (cause, where)]
     evidence = {
         "why": why(best, a.layout) + (CHANGED.format(changed) if changed else ""),
         "log_odds": best.log_odds,
@@ -141,8 +144,9 @@ def untestable(a: ArrayCriticism | str) -> Iterator[dict[str, Any]]:
             if not _told(j):
                 yield {"cause": j.hypothesis.cause, "where": j.hypothesis.where, "because": UNTOLD, "needs": SCAN}
     elif a.named:
-        taken = "the ratios of the taxels already show another cause: beside {} in the {} they give no bound for this one"
-        beside = {"because": taken.format(*a.named[0].best.key), "needs": f"the same sessions after that is corrected, or {SCAN}"}
+        taken = "the ratios of the taxels already show another cause: beside {} they give no bound for this one"
+        shown = " and ".join("{} in the {}".format(*t.best.key) for t in a.named)
+        beside = {"because": taken.format(shown), "needs": f"the same sessions after that is corrected, or {SCAN}"}
         perhaps = list(_perhaps_beside(a))
         yield from perhaps
         open_ = [c for c in ALL if c in said and c not in {"crosstalk", *(u["cause"] for u in perhaps)}]  # the search bounds crosstalk
