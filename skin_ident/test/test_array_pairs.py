@@ -59,7 +59,7 @@ def _keys(tried: tuple[Tried, ...]) -> set:
     return {t.best.key for t in tried}
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     ("kind", "amount", "beside"),
     [("oval", 0.2, ("anisotropy", "skin")), ("flat", 0.15, ("spread_shape", "skin")), ("wider", 0.1, ("spread_width", "skin"))],
@@ -78,20 +78,19 @@ def test_two_wrong_calibrations_are_no_contact_off_its_place(tmp_path, taxels):
     assert _keys(analysed(recordings).named) == {("gain_error", "taxel_0"), ("gain_error", "taxel_2")}
 
 
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("outline", OUTLINES)
-def test_a_spread_of_another_form_alone_is_not_mended_by_a_second_cause(tmp_path, outline):
-    for seed in (0, 1):
-        recordings = record_at(
-            tmp_path / str(seed), AROUND, seed=seed, taxels=5 - seed, careful=True, also=[(OUTLINES[outline], 1.0)], **SHORT
-        )
-        assert _keys(analysed(recordings).named) <= {("spread_shape", "skin")}
+def test_a_spread_of_another_form_alone_is_not_mended_by_a_second_cause(tmp_path, outline, seed):
+    recordings = record_at(tmp_path, AROUND, seed=seed, taxels=5 - seed, careful=True, also=[(OUTLINES[outline], 1.0)], **SHORT)
+    a = analysed(recordings)
+    assert [t.best.key for t in a.tried] == [("spread_shape", "skin")]
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("alone", [GAIN, ("off_centre", "shift", None, 6.0), ("crosstalk", "neighbour", "taxel", 3.0)], ids=lambda a: a[0])
 def test_one_cause_alone_stays_alone(tmp_path, alone, seed):
     a = analysed(record_at(tmp_path, AROUND, *alone, seed=seed, taxels=5 - seed, careful=True, **SHORT))
-    assert len(a.tried) == 1 and (a.left is None or a.left.sure < 0.5)
+    assert len(a.tried) == 1 and a.left.sure < 0.5
 
 
 def test_both_are_told_with_their_gains_and_the_written_model_has_both(tmp_path):

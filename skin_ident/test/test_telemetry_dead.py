@@ -315,3 +315,11 @@ def test_a_taxel_that_dies_is_not_said_to_be_dead_in_a_session_in_the_air():
     dies.taxels[0, dies.t > 40.0] = 0.0
     (symptom,) = find_dead_taxels([air, dies])
     assert [session for session, _ in symptom.bad] == [dies.name] and "nor anywhere" not in symptom.evidence["why"]
+
+
+@pytest.mark.parametrize("depth", [0.5e-3, -1e-3])
+def test_an_array_that_was_unplugged_is_dead(depth):
+    pressed_too = [pressed([0.6, 0.25, 0.1], 0.05, 0.01, d) for d in {0.5e-3, depth}]
+    for r in pressed_too:
+        r.taxels[:] = 0.0
+    assert [s.where for s in find_dead_taxels(pressed_too)] == ["taxel_0", "taxel_1", "taxel_2"]

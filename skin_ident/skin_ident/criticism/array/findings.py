@@ -20,7 +20,7 @@ CHANGED = "; a gain of {} that is not the same in all sessions would explain as 
 UNTOLD = "for these taxels and contacts, the ratios of the taxels look like those of a spread of a slightly different width"
 SILENT = 0.01  # of the largest share, below which a taxel feels nothing
 DECLARED = "how well calibrations (taxel_gain_uncertainty) and the width of the spread (spread_width_mm) are known"
-BESIDE = "beside {} in the {}, ratios of the taxels are left over that are not sure to be one cause or another"
+BESIDE = "beside {} in the {}, the ratios of the taxels still differ from those of the declared layout, and no second cause is sure"
 POSSIBLE = 0.5  # probability that something is wrong, up to which causes can be excluded
 
 
@@ -36,7 +36,9 @@ def _entry(a: ArrayCriticism, t: Tried) -> dict[str, Any]:
     cause, where = ("dead_taxel", best.key[1]) if best.key[0] == "gain_error" and ("dead_taxel", best.key[1]) in dead else best.key
     others = [(*r.key, float(2.0 * (best.log_odds - r.log_odds))) for r in rivals]
     others += [(*key, 2.0 * lower) for key, lower in t.instead.items()]
+    partners = {other.best.key for other in a.named} - {best.key}
     changed = t.judgement.may_have_changed
+    changed = None if ("gain_error", changed) in partners else changed
     if changed:
         others.append(("gain_error", changed, max(float(2.0 * (best.log_odds - t.judgement.changed[1])), 0.0)))
     apart: dict[Key, float] = {}

@@ -75,8 +75,9 @@ def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model, seen
     named = {cause for cause, _ in keys}
     reasons = [u for u in untestable(a) if u["cause"] not in named or (u.get("in_doubt") and _about(u) not in keys)]
     bounds = [] if isinstance(a, str) else [e for e in excluded(a) if e["cause"] not in named and (e["cause"], e["where"]) not in seen]
-    open_to = {u["cause"] for u in reasons}  # the search has excluded only other forms of them
-    able = [e for e in findings["excluded"] if e["cause"] not in named | open_to] + bounds
+    open_to = {u["cause"] for u in reasons if not u.get("in_doubt")}  # the search has excluded only other forms of them
+    doubted = {(u["cause"], place) for u in reasons if u.get("in_doubt") for place in (u["where"], "taxel")}
+    able = [e for e in findings["excluded"] if e["cause"] not in named | open_to and (e["cause"], e.get("where")) not in doubted] + bounds
     decided = {u["cause"] for u in reasons} | {e["cause"] for e in able} | {(e["cause"], e["where"]) for e in bounds}
     mine = [u for u in findings["untestable"] if u["cause"] not in named or u.get("in_doubt") or is_untold(u)]
     kept = [u for u in mine if _about(u) not in set(map(_about, reasons)) and (_about(u) in seen or _about(u) not in decided)]

@@ -101,7 +101,10 @@ def tried(shown: Shown, alone: Judgement) -> tuple[tuple[Tried, ...], Judgement 
 
 def _two(shown: Shown, alone: Judgement, left: Judgement) -> tuple[Tried, ...]:
     """The two causes that explain the ratios best together; none unless each is sure beside the other, and both may be named and pass."""
-    best, *others = shown.pairs(alone, left.causes[0].background)
+    found = shown.pairs(alone, left.causes[0].background)
+    if not found:
+        return ()
+    best, *others = found
     one, other = best.causes
     first, second = shown.judged(beside=other), shown.judged(beside=one)
     sure = all(j.named is not None and j.named.key == h.key for j, h in ((first, one), (second, other)))

@@ -41,6 +41,7 @@ SECANTS = 2  # times at most that a delay is refitted, linearised about the dela
 SHORT = 0.1  # share of a period at the band's edge, below which a delay needs one refit only
 LASTING_S, UNDONE = 1.0, 0.5  # s that a step must last, unless more than this share of it remains afterwards
 KNOT_S = {ZERO: 20.0, DELAY: 5.0}  # s between the knots of a bend; a delay shows in all motion, a zero only above slow noise
+FEW_IN_AIR = 20  # samples in the air, below which these tell nothing of a zero
 ALIKE = 0.95  # share of the score of a slope in one channel that a slope common to all must reach to replace it
 
 Solution = tuple[dict[str, np.ndarray], float, float]  # amplitudes by session, their gain less their charge, and that charge
@@ -92,12 +93,12 @@ def shows_in_the_air(run: Run, plain: dict[str, np.ndarray], sessions: list[Sess
     courses."""
     if not (run.course.jumps or (run.course.carrier == ZERO and run.course.shape == CONSTANT)):
         return True
-    (row,), before, after = run.course.rows, 0.0, 0.0
+    (row,), before, after, samples = run.course.rows, 0.0, 0.0, 0
     for s in sessions:
         air = s.motion.x <= 0.0 if s.drive is None else drive_rests(s)
         e, zero = (s.bridged - plain[s.name])[row, air], run.values[s.name][row, air]
-        before, after = before + float(e @ e), after + float((e - zero) @ (e - zero))
-    return after < before or not before
+        before, after, samples = before + float(e @ e), after + float((e - zero) @ (e - zero)), samples + e.size
+    return after < before or samples < FEW_IN_AIR
 
 
 def _of_sensors(runs: list[Run], ground: "_Ground") -> list[Run]:

@@ -24,6 +24,7 @@ FEWEST_BLOCKS = 10  # blocks in a session, at least, for a constant slope: both 
 CLEARLY = {CONSTANT: MATERIAL_RMSE, STEPS: MATERIAL_RMSE, BEND: 0.18, WAVE: 0.18}
 PLAINLY = 0.15  # relative fall of the RMSE above which no gain in likelihood is required
 FAINT = 0.2  # share of the RMS residual at full rate that a zero, or a constant slope, must exceed
+LITTLE = 0.25  # of a zero in training, up to which held-out sessions have next to none of it, and their air contradicts nothing
 NOTHING = 0.005  # relative gain in likelihood, either way, of sessions that a course does not concern
 SURE = 0.25  # share of the fall of the error that its lower bound must exceed: seven courses are tried every time
 
@@ -97,9 +98,8 @@ def helps(run: Run, before: Model, after: Model, train: list[Session], held: lis
     if not held:
         return True
     own = fitted(run.course, after, held, noise, left_open(after, train, held, noise))
-    return shows_in_the_air(own, {s.name: simulated(after, s) for s in held}, held) and _left(run, after, added(held, own.values)) < _left(
-        run, before, held
-    )
+    shown = own.largest < LITTLE * run.largest or shows_in_the_air(own, {s.name: simulated(after, s) for s in held}, held)
+    return shown and _left(run, after, added(held, own.values)) < _left(run, before, held)
 
 
 def nearer(run: Run, model: Model, sessions: list[Session]) -> bool:

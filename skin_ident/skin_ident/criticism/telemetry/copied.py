@@ -26,6 +26,7 @@ WHOLE = 0.9  # share of a session from which a stretch is the session
 DEPTHS = 4  # fewest different depths in a stretch: the encoder repeats itself in a hold, whatever the forces do
 ELSEWHERE = 0.05  # share of its range by which the depth must differ between a stretch and its repetition in one channel
 NOISY = 2.0  # converter steps: white noise above it has three bits in every reading, so that no window of it occurs twice
+SOME = 0.8  # the same where all channels repeat and no depth tells more; hum through coarse steps looks like half a step of noise
 AROUND = 24  # samples on either side of a stretch, which may be too short to tell how large the noise is
 BEFORE = 4  # readings from which the next is foretold: two for hum, two for the motion
 COLUMN, SESSION = "copied column", "copied session"  # kinds of copies
@@ -71,7 +72,8 @@ def _is_copied_whole(recordings: list, again: Repeat) -> bool:
         return True
     if _with_its_motion(recordings, again) and not _is_made_again(recordings, again):
         return True
-    return any(_of_noise(here, again, c, _step(here, c)) for c in here.channels)
+    least = NOISY if here.depth is not None else SOME
+    return any(_of_noise(here, again, c, least * _step(here, c)) for c in here.channels)
 
 
 def _is_copied(recordings: list, again: Repeat, channel: str, step: float) -> bool:
@@ -79,7 +81,7 @@ def _is_copied(recordings: list, again: Repeat, channel: str, step: float) -> bo
     often that chance seems to explain the long ones as well; but it explains none of noise, as long as the depth does not repeat."""
     if again.is_rare and _moved_otherwise(recordings, again, channel):
         return True
-    return (again.is_rare or not _with_its_depth(recordings, again)) and _of_noise(recordings[again.at], again, channel, step)
+    return (again.is_rare or not _with_its_depth(recordings, again)) and _of_noise(recordings[again.at], again, channel, NOISY * step)
 
 
 def _step(recording, channel: str) -> float:
@@ -120,8 +122,10 @@ def _is_session(recordings: list, again: Repeat) -> bool:
 
 def _with_its_motion(recordings: list, again: Repeat) -> bool:
     """Whether there is a depth that moves in the stretch and repeats digit for digit, too."""
-    at, (here, _) = recordings[again.at], _places(again)
-    return at.depth is not None and np.unique(at.read("depth", here)).size >= DEPTHS and _with_its_depth(recordings, again)
+    at, source, (here, _) = recordings[again.at], recordings[again.source], _places(again)
+    if at.depth is None or source.depth is None:
+        return False
+    return np.unique(at.read("depth", here)).size >= DEPTHS and _with_its_depth(recordings, again)
 
 
 def _is_made_again(recordings: list, again: Repeat) -> bool:
@@ -157,10 +161,11 @@ def _moved_otherwise(recordings: list, again: Repeat, channel: str) -> bool:
     return any(2.0 * np.std(d) + abs(np.mean(d)) > ELSEWHERE for d in apart)
 
 
-def _of_noise(recording, again: Repeat, channel: str, step: float) -> bool:
-    """Whether there is noise of several converter steps in and around the stretch, which does not repeat even where the motion does."""
+def _of_noise(recording, again: Repeat, channel: str, least: float) -> bool:
+    """Whether there is more noise than `least`, several converter steps, in and around the stretch, which does not repeat even where the
+    motion does."""
     around = recording.channels[channel][max(again.start - AROUND, 0) : again.start + again.length + AROUND]
-    return min(white_noise(around), _unforeseen(around)) > NOISY * step
+    return min(white_noise(around), _unforeseen(around)) > least
 
 
 def _unforeseen(y: np.ndarray) -> float:
@@ -208,7 +213,7 @@ def _columns(recordings: list) -> list[Symptom]:
         if np.unique(y).size < VALUES:
             continue
         changes = _changes(y)
-        equal = next(((names, share) for first, names in groups if (share := _equal(y, changes, first)) > EQUAL), None)
+        equal = next(((names, share) for first, names in groups if (share := _equal(y, first, changes)) > EQUAL), None)
         if equal:
             equal[0][channel] = equal[1]
         else:
@@ -243,7 +248,7 @@ def _changes(y: np.ndarray) -> np.ndarray:
     return np.append(False, y[1:] != y[:-1])
 
 
-def _equal(a: np.ndarray, changes: np.ndarray, b: np.ndarray) -> float:
+def _equal(a: np.ndarray, b: np.ndarray, changes: np.ndarray) -> float:
     """Share of samples in which two rows (N,) are equal, among those at which either changes: at rest coarse taxels hold the same number.
     0 where a small sample of the `changes` (N,) of the first already shows that it is low."""
     few = np.flatnonzero(changes)

@@ -62,11 +62,12 @@ def _silent(recordings: list, i: int, n: int) -> list[Symptom]:
 
 def _may_be_far(recordings: list, i: int, n: int) -> bool:
     """Whether a taxel that holds one reading may only be too far away for its converter: it reads nothing, no place promises it more, and
-    the converters of the others hide their noise at rest, too; if there is no rest, its declared place must say so."""
-    if n == 1 or promised(recordings, i, n):
+    the converters of others that live hide their noise at rest, too; if there is no rest, its declared place must say so."""
+    alive = [k for k in range(n) if k != i and any(np.ptp(r.taxels[k]) > 0.0 for r in recordings)]
+    if not alive or promised(recordings, i, n):
         return False
     level = max(abs(float(r.taxels[i][0])) for r in recordings)
-    others = (np.delete(r.taxels, i, axis=0)[:, _at_rest(r)] for r in recordings)
+    others = (r.taxels[alive][:, _at_rest(r)] for r in recordings)
     rests = [rows for rows in others if rows.shape[1] > LONG]
     hidden = all(np.all(np.ptp(rows, axis=1) == 0.0) for rows in rests) if rests else bool(recordings[0].declared.taxel_positions_mm)
     return hidden and level <= least_step(recordings, i)
@@ -74,7 +75,8 @@ def _may_be_far(recordings: list, i: int, n: int) -> bool:
 
 def _at_rest(recording) -> np.ndarray:
     """Mask (N,) of the samples with next to no load."""
-    load = np.abs(_load(recording) if _load(recording) is not None else np.zeros(len(recording)))
+    load = _load(recording)
+    load = np.zeros(len(recording)) if load is None else np.abs(load)
     return load <= GONE * load.max()
 
 

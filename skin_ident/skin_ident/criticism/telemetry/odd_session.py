@@ -116,7 +116,7 @@ def _upright(recordings: list) -> tuple[list, list[Symptom]]:
         asked = np.isfinite(told)
         if 2 * asked.sum() > len(told) and max(told[asked]) < AGAINST:
             first = int(np.argmax(asked))
-            every = "all sessions" if asked.all() else f"all {asked.sum()} sessions whose load moves"
+            every = "all sessions" if asked.all() else f"each of the {asked.sum()} sessions whose load moves enough to tell"
             falls = f"{channel} falls while the load rises in {every} (correlation {told[first]:.2f} in {recordings[first].name})"
             evidence = {"why": f"{falls}: its sign is wrong. It is judged with its sign reversed", "kind": "sign"}
             where = sensor_of(channel, len(recordings[0].taxels))

@@ -22,6 +22,7 @@ AGAINST = -0.6  # correlation with the load below which a channel is upside down
 # Range of a load as a share of its greatest magnitude. Up to the first, the load is held: a stage that gives way while the skin relaxes
 # deepens as the force falls, and a slope says nothing of the skin. From the second on, a relaxation cannot pass for a wrong sign.
 HELD, FAIR = 0.05, 0.2
+TO_AND_FRO = 4  # crossings of its middle by a load about a preload
 SAME = 0.8  # least ratio of a taxel's slopes in two sessions at one place
 
 
@@ -117,8 +118,10 @@ def near_factor(ratio: float) -> float | None:
 
 def presses_elsewhere(ratios: Sequence[float]) -> bool:
     """Whether a session presses at another place than the others, though nobody declared it: from the `ratios` of its slopes to theirs for
-    the taxels beside the one that is tested. Some are then far from one, and they are no factors of units."""
-    return any((r < SAME or r > 1.0 / SAME) and not near_factor(r) for r in ratios)
+    the taxels beside the one that is tested. Then two of them or more, or the only one, are far from 1 and are no factors of units either.
+    One alone among several has a fault of its own."""
+    far = [(r < SAME or r > 1.0 / SAME) and not near_factor(r) for r in ratios]
+    return sum(far) >= min(2, max(len(far), 1))
 
 
 def _unit(recordings: list, channel: str, factor: float, why: str, kind: str, sessions: Sequence[str] = ()) -> Symptom:
@@ -134,7 +137,7 @@ def _upside_down(recordings: list, channel: str) -> list[Symptom]:
     if not wrong.size:
         return []
     falls = f"{channel} falls while the load rises (correlation {told[wrong[0]]:.2f} in {recordings[wrong[0]].name})"
-    why = f"{falls}: its sign is wrong in {wrong.size} of {len(recordings)} sessions"
+    why = f"{falls}: its sign is wrong in {wrong.size} of {np.count_nonzero(np.isfinite(told))} sessions that tell it"
     return [Symptom("data_error", _place(channel, recordings), (channel,), {"factor": quantity(-1.0, "1")}, {"why": why, "kind": "sign"})]
 
 
@@ -145,19 +148,24 @@ def told_signs(recordings: list, channel: str) -> np.ndarray:
 
 
 def _sign(recording, channel: str) -> float:
-    """Correlation with the load, or that in the second half alone if it is greater: a wrong sign stays to the end, but what the skin still
-    relaxes from a touch before the recording dies away."""
+    """Correlation with the load, or that in the second half alone if it is greater, as far as the channel is loaded there: a wrong sign
+    stays to the end, but what the skin still relaxes from a touch before the recording dies away."""
     x, y, half = load_of(recording, channel), recording.channels[channel], len(recording) // 2
+    x = x if recording.depth is None else np.maximum(x, 0.0)  # in the air the plunger moves, too, and tells nothing
     told = np.ptp(x[half:]) > HELD * np.max(np.abs(x)) and np.ptp(y[half:]) > 0.0
     return max(follows(recording, channel), float(np.corrcoef(x[half:], y[half:])[0, 1]) if told else -1.0)
 
 
 def _moves_enough(load: np.ndarray | None) -> bool:
-    """Whether a load ranges over a fair share of its greatest magnitude. Single samples do not count: they may be spikes of an encoder."""
+    """Whether a load ranges over a fair share of its greatest magnitude, or goes to and fro, as no stage does that gives way while the skin
+    relaxes. Single samples do not count: they may be spikes of an encoder."""
     if load is None:
         return False
     low, high = np.percentile(load, (1.0, 99.0))
-    return bool(high - low >= FAIR * np.percentile(np.abs(load), 99.0))
+    off = load - 0.5 * (low + high)
+    sides = np.sign(off[np.abs(off) > 0.25 * (high - low)])
+    fair = high - low >= FAIR * np.percentile(np.abs(load), 99.0)
+    return bool(fair or np.count_nonzero(np.diff(sides)) >= TO_AND_FRO)
 
 
 def follows(recording, channel: str) -> float:
