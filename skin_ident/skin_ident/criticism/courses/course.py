@@ -90,8 +90,10 @@ def _worthwhile(ground: "_Ground", encoder_step: float) -> list[Run]:
 def shows_in_the_air(run: Run, plain: dict[str, np.ndarray], sessions: list[Session]) -> bool:
     """Whether a zero that is another in every session, or jumps, also lowers the error of the `plain` simulation (C, N), by name, in the
     air of `sessions`, if there is any. One that only appears under load is no zero, but may be a skin that differs. True for all other
-    courses."""
-    if not (run.course.jumps or (run.course.carrier == ZERO and run.course.shape == CONSTANT)):
+    courses; and for a zero of a test that force drives, which may be that of the driving load cell and then presses on the skin.
+    """
+    own = run.course.carrier == ZERO and run.course.shape == CONSTANT and sessions[0].drive is None
+    if not (run.course.jumps or own):
         return True
     (row,), before, after, samples = run.course.rows, 0.0, 0.0, 0
     for s in sessions:
