@@ -1,4 +1,4 @@
-"""Runs of True in a mask over samples."""
+"""Masks over samples: runs of True in them, and where readings change."""
 
 from collections.abc import Callable, Iterable
 
@@ -9,6 +9,11 @@ def runs(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Begins and ends (exclusive) of the runs of True in a mask (N,)."""
     change = np.diff(np.concatenate([[0], mask.astype(np.int8), [0]]))
     return np.flatnonzero(change > 0), np.flatnonzero(change < 0)
+
+
+def changed(readings: np.ndarray) -> np.ndarray:
+    """Mask (N,) of the samples whose reading differs from the one before; the first is none of them."""
+    return np.append(False, readings[1:] != readings[:-1])
 
 
 def marked(n: int, stretches: Iterable[tuple[int, int]]) -> np.ndarray:

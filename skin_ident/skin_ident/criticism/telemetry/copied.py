@@ -17,7 +17,7 @@ from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.telemetry.tails import smallest_step
 from skin_ident.estimators.scale import normal_scale, white_noise
 from skin_ident.recordings.digits import digits_of, nearest
-from skin_ident.stretches import marked, runs
+from skin_ident.stretches import changed, marked, runs
 
 VALUES = 12  # fewest different values that a column must hold
 FEW, LIKELY = 64, 0.8  # samples at which two columns are compared first, and the share that must be equal there
@@ -139,7 +139,7 @@ def _is_made_again(recordings: list, again: Repeat) -> bool:
     depth = at.read("depth", slice(first, last))
     same = depth == source.read("depth", slice(first - late, last - late))
     same[max(again.start - AROUND - first, 0) : again.start + again.length + AROUND - first] = False
-    moves = np.cumsum(np.append(False, depth[1:] != depth[:-1]))
+    moves = np.cumsum(changed(depth))
     for begin, end in zip(*runs(same), strict=True):
         if moves[end - 1] - moves[begin] >= LIVELY:
             here, there = slice(first + begin, first + end), slice(first + begin - late, first + end - late)
@@ -155,9 +155,8 @@ def _moved_otherwise(recordings: list, again: Repeat, channel: str) -> bool:
     others = [c for c in at.channels if c != channel]
     pairs = [(at.depth, source.depth)] if at.depth is not None else [(at.channels[c], source.channels[c]) for c in others]
     here, there = _places(again)
-    digits = at.read(channel, here)
-    changed = np.append(False, digits[1:] != digits[:-1])
-    apart = [(one[here] - other[there])[changed] / max(np.ptp(one), 1e-300) for one, other in pairs]
+    changes = changed(at.read(channel, here))
+    apart = [(one[here] - other[there])[changes] / max(np.ptp(one), 1e-300) for one, other in pairs]
     return any(2.0 * np.std(d) + abs(np.mean(d)) > ELSEWHERE for d in apart)
 
 
@@ -212,7 +211,7 @@ def _columns(recordings: list) -> list[Symptom]:
         y = np.concatenate([r.read(channel) for r in recordings])
         if np.unique(y).size < VALUES:
             continue
-        changes = _changes(y)
+        changes = changed(y)
         equal = next(((names, share) for first, names in groups if (share := _equal(y, first, changes)) > EQUAL), None)
         if equal:
             equal[0][channel] = equal[1]
@@ -243,14 +242,9 @@ def emptied(recording, copies: tuple[str, ...]):
     return recording.with_channels(dict.fromkeys(copies, np.zeros(len(recording)))) if copies else recording
 
 
-def _changes(y: np.ndarray) -> np.ndarray:
-    """Mask (N,) of the samples of a row at which its reading differs from the one before."""
-    return np.append(False, y[1:] != y[:-1])
-
-
 def _equal(a: np.ndarray, b: np.ndarray, changes: np.ndarray) -> float:
     """Share of samples in which two rows (N,) are equal, among those at which either changes: at rest coarse taxels hold the same number.
     0 where a small sample of the `changes` (N,) of the first already shows that it is low."""
     few = np.flatnonzero(changes)
     few = few[:: max(few.size // FEW, 1)]
-    return float(np.mean((a == b)[changes | _changes(b)])) if np.mean(a[few] == b[few]) > LIKELY else 0.0
+    return float(np.mean((a == b)[changes | changed(b)])) if np.mean(a[few] == b[few]) > LIKELY else 0.0

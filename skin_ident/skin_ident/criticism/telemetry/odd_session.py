@@ -246,18 +246,23 @@ def _factor(logs: np.ndarray, i: int, c: int) -> float | None:
     return factor if max(map(abs, others)) < ORDERLY * abs(own) else None
 
 
+def _apart(logs: np.ndarray, i: int) -> np.ndarray:
+    """Logarithms (C,) of the ratios of session `i` to the median of the others."""
+    return logs[i] - np.median(np.delete(logs, i, axis=0), axis=0)
+
+
 def _beside(logs: np.ndarray, i: int, c: int) -> float:
     """Logarithm of a channel's ratio to the other sessions, less the median of the same for its session's other channels."""
-    apart = logs[i] - np.median(np.delete(logs, i, axis=0), axis=0)
+    apart = _apart(logs, i)
     rest = np.delete(apart, c)
     return float(apart[c] - (np.median(rest) if rest.size else 0.0))
 
 
 def _of_other_taxels(logs: np.ndarray, channels: list[str], i: int, c: int) -> list[float]:
     """Ratios of session `i`'s slopes to the other sessions', over their median, for all taxels but the one in column `c`."""
-    apart = logs[i] - np.median(np.delete(logs, i, axis=0), axis=0)
-    rest = [k for k in range(len(channels)) if k != c]
-    return [float(np.exp(apart[k] - np.median(apart[rest]))) for k in rest if channels[k] != "force"]
+    apart = _apart(logs, i)
+    usual = np.median(np.delete(apart, c)) if apart.size > 1 else 0.0
+    return [float(np.exp(apart[k] - usual)) for k in range(len(channels)) if k != c and channels[k] != "force"]
 
 
 def _of_channel(group: list, i: int, channel: str, factor: float, why: str, kind: str) -> _Fault:

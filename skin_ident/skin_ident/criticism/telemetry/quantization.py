@@ -160,17 +160,21 @@ def _declared(recording) -> dict[str, float | None]:
 
 def _rows(recordings: list, channel: str) -> list[tuple[np.ndarray, np.ndarray]]:
     """Samples and digits of a channel in every recording that has it."""
-    every = ((r, [*r.channels.items(), ("depth", r.depth)]) for r in recordings)
-    return [(row, r.read(channel)) for r, rows in every for name, row in rows if name == channel and row is not None]
+    return [(r.depth if channel == "depth" else r.channels[channel], r.read(channel)) for r in _having(recordings, channel)]
 
 
 def _steps(recordings: list, channel: str) -> list[float | None]:
-    return [r.step(channel) for r in recordings if channel in r.channels or (channel == "depth" and r.depth is not None)]
+    return [r.step(channel) for r in _having(recordings, channel)]
+
+
+def _having(recordings: list, channel: str) -> list:
+    """The recordings that have a channel, or a depth."""
+    return [r for r in recordings if channel in r.channels or (channel == "depth" and r.depth is not None)]
 
 
 def _of_a_converter(recordings: list, channel: str) -> bool:
     """Whether the levels of a channel are a converter's, rather than those at which a stage stopped."""
-    having = [r for r in recordings if channel in r.channels or (channel == "depth" and r.depth is not None)]
+    having = _having(recordings, channel)
     runs_of = [_Runs.of(y, digits) for y, digits in _rows(recordings, channel)]
     if sum(runs.returns for runs in runs_of) > FLICKER * sum(runs.lengths.size for runs in runs_of):
         return True

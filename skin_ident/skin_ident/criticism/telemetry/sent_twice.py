@@ -16,7 +16,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from skin_ident.stretches import runs
+from skin_ident.stretches import changed, runs
 
 SHORTEST = 6  # samples of a block
 PERIODIC = 0.9  # share of a block's readings that recur at a fraction of its length where it is periodic in itself
@@ -28,7 +28,7 @@ def sent_twice(codes: list[np.ndarray], longest: int) -> Iterator[tuple[int, int
     """Blocks of `SHORTEST` to `longest` readings that follow themselves, in readings given as codes (N,) for each recording: the recording,
     the start of the repetition and of its source, the length, the number of changes of reading in it, and the number of such blocks to be
     expected by chance. A reading that does not change counts for nothing: at rest, coarse readings repeat."""
-    changes = [np.cumsum(np.append(0, np.append(False, row[1:] != row[:-1]))) for row in codes]
+    changes = [np.cumsum(np.append(0, changed(row))) for row in codes]
     readings, distances = sum(int(c[-1]) for c in changes), range(SHORTEST, longest + 1)
     whole, parts = [], []
     for d in distances:
@@ -62,10 +62,10 @@ def _goes_on(row: np.ndarray, start: int, end: int, d: int) -> bool:
 def is_periodic(readings: np.ndarray, longest: int) -> bool:
     """Whether readings recur, but for a few, with a period of `longest` samples or less that they hold twice. Those that change must do so,
     too: a coarse reading that moves slowly is the same a few samples later, and yet not periodic."""
-    changes = np.append(False, readings[1:] != readings[:-1])
+    changes = changed(readings)
     for p in range(2, min(longest, readings.size // 2) + 1):
-        same, changed = readings[p:] == readings[:-p], changes[p:]
-        if np.mean(same) >= PERIODIC and np.count_nonzero(same & changed) >= RECURRING * np.count_nonzero(changed):
+        same, moves = readings[p:] == readings[:-p], changes[p:]
+        if np.mean(same) >= PERIODIC and np.count_nonzero(same & moves) >= RECURRING * np.count_nonzero(moves):
             return True
     return False
 
