@@ -47,6 +47,7 @@ NATURAL = 0.045  # relative deviation of a stiffness that may occur where specim
 # Rounds of fitting shared parameters and those of each session in turn, and the change below which they stop: in the same noise, and with
 # the noise found anew.
 TIMES, SETTLED, SETTLED_IN_NOISE = 4, 1e-4, 1e-3
+GAINS_NOTHING = 10.0  # squared whitened units, as little as another instance of a cause must explain: fitted once more, nothing changes
 WORTH_SAYING = 0.002  # relative deviation of a parameter from which it is reported
 
 
@@ -167,17 +168,26 @@ def _asked(search: Search) -> bool:
 
 def settle_skin(search: Search) -> None:
     """Where sessions have skin parameters of their own, fit these once more, and the shared ones beside them; also in the noise that is
-    left then, since a large difference between sessions was part of the noise before."""
+    left then, since a large difference between sessions was part of the noise before. A fit that gains nothing is not kept: what was looked
+    at need not be looked at again."""
     if not search.own_skin:
         return
     for _ in range(TIMES):
-        before = _present_of_all(search)
+        before, as_it_was, cost = _present_of_all(search), (search.train, search.held, search.present), _cost(search)
         if len(search.train) > 1:
             _settle_train(search)
         search.held = [_with_its_own(search, s) for s in search.held]
+        gains = cost - _cost(search)
+        if gains < GAINS_NOTHING:
+            search.train, search.held, search.present = as_it_was
         search.look()
-        if np.abs(_present_of_all(search) - before).max() < SETTLED_IN_NOISE:
+        if gains < GAINS_NOTHING or np.abs(_present_of_all(search) - before).max() < SETTLED_IN_NOISE:
             return
+
+
+def _cost(search: Search) -> float:
+    """The cost of all sessions in the present noise."""
+    return cost_of(search.present.model, [*search.train, *search.held], search.noise)
 
 
 def tell_of_skin(search: Search) -> None:
