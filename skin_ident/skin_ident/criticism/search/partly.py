@@ -50,6 +50,7 @@ COIN = 2.0 * np.log(2.0)  # twice nats, charge per session for having the cause 
 TIMES = 3  # rounds in which sessions are asked whether they have it
 TELLS = 6.0  # twice nats by which a session must be nearer without a cause to lack it
 SLIGHT = 0.013  # share of a force by which skin may differ from day to day
+NEARLY = 0.85  # share of a cause's score above which skin parameters of each session's own go before a cause of skin or rig
 AS_WELL = 0.7  # share of a cause's score above which other parameters stand for a slight cause, and a good stage for any
 
 
@@ -71,12 +72,12 @@ class _Tried:
     score: float
 
 
-def take_partly(search: Search, last: Survey, best: float, runs: list[Run]) -> bool:
-    """Name the best cause that some sessions lack, if it is believed and explains clearly more than the `best` of all others and than
-    `runs` of its sensor. Return whether to look again."""
+def take_partly(search: Search, last: Survey, best: float, of_skin: float, runs: list[Run]) -> bool:
+    """Name the best cause that some sessions lack, if it is believed and explains clearly more than the `best` of all others, than skin
+    parameters of each session's own (`of_skin`) and than `runs` of its sensor. Return whether to look again."""
     if len(search.train) < FEWEST:
         return False
-    least = max(best, search.least(search.present.count))
+    least = max(best, of_skin, search.least(search.present.count))
     ground = _Ground.of(search, last)
     seen = [s for s in ground.seen() if s.score > PROMISING * least and s.key not in search.dropped][:MOST]
     tried = sorted(filter(None, (_tried(search, s) for s in seen)), key=lambda t: -t.score)
@@ -84,6 +85,8 @@ def take_partly(search: Search, last: Survey, best: float, runs: list[Run]) -> b
         return False
     first, *others = tried
     if search.of_stage > AS_WELL * first.score or _is_course(first, runs, ground.charge):
+        return False
+    if of_skin > NEARLY * first.score and not first.trial.key[1].startswith(SENSORS):
         return False
     numbers = ground.of_other_numbers({s.name for s in first.ahead.train if first.trial.key not in s.lacks})
     if first.score <= reach(numbers) or (numbers > AS_WELL * first.score and _too_slight_to_tell(first)):

@@ -75,7 +75,7 @@ def _round(search: Search) -> bool:
         return True
     of_skin = explained_by_own_skin(search, best)
     look = _Look(last, trials, runs, best, of_skin, mass if mass and may_wait(search, mass) else None)
-    if take_partly(search, last, max(best, of_skin), runs) or take_where_held(search, last, max(best, of_skin), trials, runs):
+    if take_partly(search, last, best, of_skin, runs) or take_where_held(search, last, max(best, of_skin), trials, runs):
         return True
     if of_skin > best and take_zeros(search, of_skin):  # a zero is one number per session, a skin four: the simpler account goes first
         return True
@@ -112,7 +112,7 @@ def _believing_none(search: Search, look: _Look) -> bool:
     """
     scores = [*((t.key, t.score) for t in look.trials), *((r.course.key, r.score) for r in look.runs)]
     doubted = max((score for key, score in scores if key in search.doubts), default=0.0)
-    if not search.hardware and take_zeros(search, reach(doubted)):
+    if not search.hardware and take_zeros(search, max(reach(doubted), look.of_skin)):
         search.doubts = {}
         return True
     if take_own_skin(search, look.of_skin, look.best, look.runs, refused=True) or take_own_skin_of_held(search, look.of_skin, look.runs):
