@@ -34,7 +34,7 @@ from skin_ident.recordings.load import load
 from skin_models.signals import motion
 
 NOT_EFFECTS = ("noise", "data_error", "parameters", "unknown")
-HELD = 2
+SESSIONS = 3  # in a case, the last one held out
 LEAST = 0.3  # of the size asked for, below which nobody could have found it
 
 
@@ -88,7 +88,7 @@ def made(case: Case, keep: Path | None):
 
 
 def run(case: Case, keep: Path | None = None) -> tuple[Judged, object]:
-    """Make, write, read back, diagnose with the third session held out, and judge."""
+    """Make, write, read back, diagnose with the last session held out, and judge."""
     sessions, truth, alike = made(case, keep)
     with tempfile.TemporaryDirectory() as folder:
         write_case(sessions, folder)
@@ -96,7 +96,7 @@ def run(case: Case, keep: Path | None = None) -> tuple[Judged, object]:
     started = time.process_time()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        outcome = diagnose(recordings[:HELD], recordings[HELD:])
+        outcome = diagnose(recordings[:-1], recordings[-1:])
     seconds = time.process_time() - started
     return judge(outcome, truth, alike, seconds), outcome
 
@@ -180,9 +180,9 @@ def _over_oracle(outcome, truth) -> float:
     """Held-out error of the extended model over that of the noise-free signal, away from touchdowns, in the worst channel; nan where
     samples do not line up."""
     held = [t for t in outcome.traces if t.held_out]
-    if not held or held[-1].measured.shape[1] != truth.signals[HELD].force.size:
+    if not held or held[-1].measured.shape[1] != truth.signals[-1].force.size:
         return float("nan")
-    t, signal = held[-1], truth.signals[HELD]
+    t, signal = held[-1], truth.signals[-1]
     clean = np.vstack([signal.force, signal.taxels.T])[-len(t.channels) :]
     away = ~meeting(motion(t.t, t.depth, t.speed), outcome.model.dispersion)
     error, floor = (np.sqrt(np.mean((t.measured - y)[:, away] ** 2, axis=1)) for y in (t.extended, clean))
@@ -190,7 +190,7 @@ def _over_oracle(outcome, truth) -> float:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Command line: KIND [--size 1] [--count 54] [--seed 0] [--first 0] [--causes a,b] [--keep FOLDER]."""
+    """Command line: KIND [--size 1] [--count 54] [--seed 0] [--first 0] [--causes a,b] [--sessions 3] [--between X] [--keep FOLDER]."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("kind", choices=("null", "poor_null", "single", "pair", "poor"))
     parser.add_argument("--size", type=float, default=1.0)
@@ -198,12 +198,18 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--causes", default="")
+    parser.add_argument("--sessions", type=int, default=SESSIONS)
+    parser.add_argument("--between", type=float, help="change of the skin from session to session; without it 0 or 0.01")
     parser.add_argument("--keep", type=Path, help="folder for the cases, to run them again after a change")
     o = parser.parse_args(arguments)
     causes = o.causes.split(",") if o.causes else [c for c in PLACES if c not in NOT_EFFECTS]
     judged = []
     for index in range(o.first, o.first + o.count):
         case = plan(o.kind, index, o.seed, o.size, causes)
+        if o.sessions != SESSIONS:
+            case.setting["n_sessions"] = o.sessions
+        if o.between is not None:
+            case.setting["between"] = o.between
         j, outcome = run(case, o.keep)
         judged.append((case, j, outcome.findings["verdict"]))
         what = "; ".join(f"{h.cause}/{h.where}/{h.form}" for h in _completed(case)) or "nothing"
