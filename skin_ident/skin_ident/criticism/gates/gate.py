@@ -15,6 +15,7 @@ from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.baseline.unknowns import with_values
+from skin_ident.criticism.gates.another_skin import left_beside_own_skin
 from skin_ident.criticism.gates.uncertain import beside_uncertainty
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.session import Session, without
@@ -140,8 +141,13 @@ def held_out_gain(
 
 
 def left_in_held(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Residuals:
-    """Residuals in the `held` sessions of both models, fitted to `train`, less what training leaves undetermined."""
-    return tuple(beside_uncertainty([residual(m, settled(m, s)) for s in held], m, train, held, noise) for m in (before, after))
+    """Residuals in the `held` sessions of both models, fitted to `train`, less what training leaves undetermined. Where a session has skin
+    parameters of its own, these are estimated anew beside each model: those that were found beside one would speak against any other."""
+
+    def left(m: Model, s: Session) -> np.ndarray:
+        return left_beside_own_skin(m, s, noise) if s.skin else residual(m, settled(m, s))
+
+    return tuple(beside_uncertainty([left(m, s) for s in held], m, train, held, noise) for m in (before, after))
 
 
 def in_turn(before: Model, after: Model, train: list[Session], noise: Whitener, refit_before: Callable = fit) -> list[Asked]:
