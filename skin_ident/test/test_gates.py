@@ -4,15 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from gate_records import DEPTH, PLAIN, QUICK, RATE, T, recorded
+from gate_records import DEPTH, PLAIN, QUICK, RATE, WHITE, T, recorded
 from hide_and_seek import seek
 
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual
-from skin_ident.criticism.gates.another_skin import changes, of_the_skin
+from skin_ident.criticism.gates.another_skin import changes, of_the_skin, solved
 from skin_ident.criticism.gates.gate import by_block, gain_of_residuals, held_out_gain, refitted
 from skin_ident.criticism.gates.second_opinion import all_in_turn, at_any_scale, halves_in_turn
-from skin_ident.criticism.noise.whitening import fit_whitener
+from skin_ident.criticism.noise.whitening import fit_whitener, stack
 from skin_ident.criticism.search.own import own_course
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.state import Search
@@ -210,3 +210,17 @@ def test_another_skin_is_told_in_shares_of_the_shared_one():
     change = (residual(PLAIN, s) - residual(PLAIN, more)) / 1e-3
     one = next(own for own, u in zip(changes(PLAIN, s), of_the_skin(PLAIN, s), strict=True) if u.label == "k1")
     assert np.allclose(one, change, atol=1e-3 * np.abs(change).max())
+
+
+def test_skin_of_a_held_out_session_is_estimated_beside_each_model():
+    """Found beside the plain model, it takes up part of the stiffening, and would speak against the stiffening itself."""
+    truth = replace(PLAIN, effects=(PowerStiffness("skin", force_sensed=0.3, force_dispersed=0.1, exponent=2.5),))
+    stiffer = replace(truth, dispersion=replace(PLAIN.dispersion, k1=1.03 * PLAIN.dispersion.k1, k2=1.03 * PLAIN.dispersion.k2))
+    train, held = [prepare(recorded(truth, seed=1))], prepare(recorded(stiffer, 0.8 * DEPTH, seed=2))
+    before, after = (fit(m, train, WHITE).model for m in (PLAIN, truth))
+    theta, _ = solved(stack([changes(before, held)], [held], WHITE), stack([residual(before, held)], [held], WHITE))
+    held = replace(held, skin={u.label: 1.0 + x for u, x in zip(of_the_skin(before, held), theta, strict=True)})
+    gain = held_out_gain(before, after, train, [held], WHITE)
+    as_found = gain_of_residuals(*([residual(m, held)] for m in (before, after)), [held], WHITE, "as found beside the plain model")
+    assert gain.passed and not gain.spoilt
+    assert not as_found.passed

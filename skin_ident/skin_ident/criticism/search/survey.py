@@ -140,10 +140,10 @@ def _everything(model: Model, sessions: list[Session], which: tuple[Direction, .
 
 
 def _beside(every: Stacked, residuals: list[np.ndarray], own: int, which: tuple[Direction, ...]) -> Whitener:
-    return noise_model(residuals, every, own, _richest(which, own, len(every.rows[0])))
+    return noise_model(residuals, every, own, _offered(which, own, len(every.rows[0])))
 
 
-def _richest(which: tuple[Direction, ...], own: int, rows: int) -> np.ndarray:
+def _offered(which: tuple[Direction, ...], own: int, rows: int) -> np.ndarray:
     """Mask (M,) of the directions that may explain more than noise: the model's own, small amounts of every cause, and bends of each
     session's own. Large amounts of the same causes would be counted twice."""
     offered = np.ones(rows, bool)
