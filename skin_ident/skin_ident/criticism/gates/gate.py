@@ -137,17 +137,12 @@ def held_out_gain(
         pairs, said = in_turn(before, after, train, noise, refit_before), EACH_IN_TURN
     else:
         pairs, said = [(s, before, after) for s in train], "nothing: the only session was used to fit"
-    return gain_of_residuals(*left_by(pairs), [s for s, _, _ in pairs], noise, said)
+    return gain_of_residuals(*left_by(pairs, noise), [s for s, _, _ in pairs], noise, said)
 
 
 def left_in_held(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Residuals:
-    """Residuals in the `held` sessions of both models, fitted to `train`, less what training leaves undetermined. Where a session has skin
-    parameters of its own, these are estimated anew beside each model: those that were found beside one would speak against any other."""
-
-    def left(m: Model, s: Session) -> np.ndarray:
-        return left_beside_own_skin(m, s, noise) if s.skin else residual(m, settled(m, s))
-
-    return tuple(beside_uncertainty([left(m, s) for s in held], m, train, held, noise) for m in (before, after))
+    """Residuals in the `held` sessions of both models, fitted to `train`, less what training leaves undetermined."""
+    return tuple(beside_uncertainty([_left(m, s, noise) for s in held], m, train, held, noise) for m in (before, after))
 
 
 def in_turn(before: Model, after: Model, train: list[Session], noise: Whitener, refit_before: Callable = fit) -> list[Asked]:
@@ -163,9 +158,15 @@ def refitted(before: Model, after: Model, sessions: list[Session], noise: Whiten
     return refit_before(before, sessions, noise, FOLD_ITERATIONS).model, with_values(found.model, unfelt, np.zeros(len(unfelt)))
 
 
-def left_by(asked: list[Asked]) -> Residuals:
+def left_by(asked: list[Asked], noise: Whitener) -> Residuals:
     """Residuals of both models in the session that they are to predict."""
-    return tuple([residual(pair[i], settled(pair[i], pair[0])) for pair in asked] for i in (1, 2))
+    return tuple([_left(pair[i], pair[0], noise) for pair in asked] for i in (1, 2))
+
+
+def _left(model: Model, s: Session, noise: Whitener) -> np.ndarray:
+    """Residual (C, n) N of a session. Where it has skin parameters of its own, these are estimated anew: those that were found beside one
+    model would speak against any other."""
+    return left_beside_own_skin(model, s, noise) if s.skin else residual(model, settled(model, s))
 
 
 def bootstrap_fall(before: list[np.ndarray], after: list[np.ndarray], sessions: list[Session]) -> tuple[float, float]:

@@ -29,13 +29,13 @@ SCALES = (0.5, 2.0)  # range of the factor that another gain or contact may give
 
 def all_in_turn(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Iterator[Gain]:
     """Gain of `after` over `before` in all sessions: training sessions are predicted by fits to the others, held-out ones by the fit to all
-    training sessions. Then the same with skin parameters of each session's own, unless sessions press at several places and have shares of
-    their own."""
+    training sessions. Then the same with skin parameters of each session's own, unless sessions have these already, or press at several
+    places and have shares of their own."""
     asked = in_turn(before, after, train, noise)
     sessions = [*(s for s, _, _ in asked), *held]
-    left = [a + b for a, b in zip(left_by(asked), left_in_held(before, after, train, held, noise), strict=True)]
+    left = [a + b for a, b in zip(left_by(asked, noise), left_in_held(before, after, train, held, noise), strict=True)]
     yield gain_of_residuals(*left, sessions, noise, "every session in turn")
-    if train[0].spread is None and of_the_skin(before, train[0]):
+    if train[0].spread is None and of_the_skin(before, train[0]) and not all(s.skin for s in sessions):
         asked += [(s, before, after) for s in held]
         left = [[left_beside_own_skin(models[i], s, noise) for s, *models in asked] for i in (0, 1)]
         yield gain_of_residuals(*left, sessions, noise, "every session in turn, with a skin of its own")
@@ -45,7 +45,7 @@ def halves_in_turn(before: Model, after: Model, train: list[Session], noise: Whi
     """Gain of `after` over `before` where each half of every session is predicted by models that were fitted to the other halves."""
     earlier, later = zip(*(_halves(s) for s in train), strict=True)
     asked = [*_predicting(later, earlier, before, after, noise), *_predicting(earlier, later, before, after, noise)]
-    gain = gain_of_residuals(*left_by(asked), [s for s, _, _ in asked], noise, "each half of the sessions in turn")
+    gain = gain_of_residuals(*left_by(asked, noise), [s for s, _, _ in asked], noise, "each half of the sessions in turn")
     return gain if gain.relative > CLEAR_FALL else replace(gain, lower=min(gain.lower, 0.0))
 
 

@@ -254,4 +254,4 @@ def _gain(search: Search, tried: _Tried) -> Gain:
     if len(train) == 1:
         return halves_in_turn(before, after, train, search.noise)
     asked = [a for a in in_turn(before, after, ahead.train, search.noise) if key not in a[0].lacks]
-    return gain_of_residuals(*left_by(asked), [s for s, _, _ in asked], search.noise, "each session that has it in turn")
+    return gain_of_residuals(*left_by(asked, search.noise), [s for s, _, _ in asked], search.noise, "each session that has it in turn")

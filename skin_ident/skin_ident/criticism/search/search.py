@@ -101,7 +101,8 @@ def _take_believed(search: Search, look: _Look) -> bool:
 def _believing_none(search: Search, look: _Look) -> bool:
     """Where no cause is believed, take what else may be there, the simplest first. Return whether to look again.
 
-    - zeros as tares leave them, unless a cause is kept from being named by hardware, or by doubt and explains more;
+    - zeros as tares leave them, unless a cause is kept from being named by hardware, or by doubt and explains more, or skin parameters of
+      each session's own explain more;
     - skin parameters of each session's own, in all sessions or in held-out ones;
     - what else is wrong in held-out sessions alone;
     - another mass, if nothing has been named;
