@@ -133,3 +133,14 @@ def test_where_taxels_have_shares_of_a_sessions_own_the_load_cell_alone_shows_an
     """These take up any stiffness: at the edge of an array the taxels feel less, while the whole skin is the same."""
     session = replace(prepare(recorded(PLAIN)), spread=spread, skin={"k1": 1.06, "k2": 1.0 - 0.06 * 3.0})
     assert own_skin._off(PLAIN, session) == pytest.approx(off, abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", rows([1, 3], 1))
+def test_relaxation_is_found_beside_skin_that_differs_and_nothing_else_with_it(tmp_path, seed):
+    """Softening until some day, or zeros of depth, would explain part of such skin, and hide the relaxation."""
+    hide = Hide("stress_relaxation", "skin", "prony2", 1.0)
+    sessions, _ = make_sessions([hide], seed=seed, protocol="full", noise="white", between=0.02, n_sessions=4)
+    write_case(sessions, tmp_path)
+    every = load(tmp_path)
+    findings = diagnose(every[:3], every[3:]).findings
+    assert [(f["cause"], f["where"]) for f in findings["findings"]] == [("stress_relaxation", "skin")]
