@@ -16,7 +16,7 @@ from skin_ident.criticism.gates.claim import Claim
 from skin_ident.criticism.gates.gate import Gain, held_out_gain
 from skin_ident.criticism.gates.resolution import held_depths, of_the_converter, of_the_drive, resolved, unread_depth, unread_force
 from skin_ident.criticism.noise.whitening import fit_whitener
-from skin_ident.criticism.search.hardware import encoder_does, stage_is_off
+from skin_ident.criticism.search.hardware import encoder_does, hardware_is_off
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.sessions.cutoff import dilution
 from skin_ident.criticism.sessions.session import Session, prepare
@@ -27,6 +27,7 @@ from skin_models.effects.backlash import Backlash
 from skin_models.effects.hysteresis import SensorHysteresis
 from skin_models.effects.position_offset import PositionOffset
 from skin_models.effects.rate_dependence import PowerDamping
+from skin_models.effects.time_shift import TimeShift
 from skin_models.model import Model
 
 
@@ -159,9 +160,11 @@ def pressed_by_force(seed: int) -> Recording:
 
 def test_a_tolerance_of_good_hardware_is_said_and_not_named():
     offset = Gain("force", ("force",), before=0.02, after=0.01, ci95=(0.005, 0.015), relative=0.5, lower=0.4, held_out="")
-    said = stage_is_off([PositionOffset("rig", offset=-5e-7)], offset)
+    said = hardware_is_off([PositionOffset("rig", offset=-5e-7)], offset)
     assert "0.5 µm" in said.because and "2.5 µm" in said.because
-    assert stage_is_off([PositionOffset("rig", offset=-5e-7)], replace(offset, after=0.0199)) is None
+    assert hardware_is_off([PositionOffset("rig", offset=-5e-7)], replace(offset, after=0.0199)) is None
+    assert "0.16 ms" in hardware_is_off([TimeShift("clock_depth", delay=-1.6e-4)], offset).because
+    assert hardware_is_off([TimeShift("clock_depth", delay=-3e-4)], offset) is None
 
 
 @pytest.mark.parametrize("holds", [1, 3, 12])

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from gate_records import PLAIN
 from rows import rows
 from scipy.signal import lfilter
 from world import make_sessions, write_case
@@ -12,6 +13,8 @@ from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.record import inspect
 from skin_ident.criticism.telemetry.lines import find_interference
 from skin_ident.recordings.load import load
+from skin_ident.recordings.recording import Recording
+from skin_models.signals import motion
 
 
 def named(folder, sessions):
@@ -155,3 +158,22 @@ def test_a_tone_of_two_sessions_may_be_less_clear_in_one_of_them(hum, found):
         rng, forces = np.random.default_rng(seed), [np.interp(t, 0.01 * np.arange(1000), corners(2 * seed + k)) for k in range(2)]
         seen.append(interference([e * rng.standard_normal(t.size) + hum * np.sin(2 * np.pi * 31.3 * t) for e in (0.005, 0.018)], forces))
     assert sum(map(bool, seen)) >= 7 if found else not any(seen)
+
+
+@pytest.mark.parametrize("of_the_stage", [True, False], ids=["the stage vibrates", "the load cell picks up"])
+def test_a_tone_that_the_depth_has_too_is_the_stage_that_vibrates(of_the_stage):
+    """A servo hunts at 37 Hz by 0.4 µm, in contact and in the air, and its encoder reads that."""
+    t = np.arange(12000) / 200.0
+    path = 0.2e-3 + 0.4e-3 * np.clip(2.0 * np.sin(0.5 * t), -1.0, 1.0)  # it rests in contact and in the air
+
+    def session(seed):
+        rng = np.random.default_rng(seed)
+        tone = np.sin(2.0 * np.pi * 37.3 * t + rng.uniform(0.0, 2.0 * np.pi))
+        depth = path + 0.4e-6 * tone * of_the_stage
+        truth = PLAIN.simulate(motion(t, depth))
+        force = truth.force + 0.05 * tone * (not of_the_stage)
+        y = np.vstack([force, truth.taxels]) + 0.02 * rng.standard_normal((2, t.size))
+        return Recording(f"made_{seed}", t, 5e-8 * np.round(depth / 5e-8), y[0], y[1:])
+
+    found = {(s.cause, s.where) for s in inspect([session(seed) for seed in (1, 2, 3)]).symptoms}
+    assert found == (set() if of_the_stage else {("interference", "load_cell")})

@@ -8,7 +8,7 @@ from scipy.ndimage import median_filter
 
 from skin_ident.criticism.array.spreading import with_believed_spread
 from skin_ident.criticism.baseline.fitting import fit, noise_of
-from skin_ident.criticism.baseline.residual import simulated
+from skin_ident.criticism.baseline.residual import damping, placed, simulated, stiffness
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.sessions.cutoff import Common, common_to
 from skin_ident.criticism.sessions.parting import meeting
@@ -196,8 +196,19 @@ def _in_residuals(
     pieces = [s for s in find_pieces(first, sessions, rest) if (s.cause, s.channels[0]) not in told]
     rest = _beside(rest, recordings, [*outliers, *pieces])
     alike = [i for i, r in enumerate(recordings) if abs(r.dt / dt - 1.0) < SAME_RATE]
-    lines = find_interference([names[i] for i in alike], channels, [rest[i] for i in alike], [predicted[i] for i in alike], dt, n, stepped)
+    beside = [e - _of_quick_depth(first, s, r) for e, s, r in zip(rest, sessions, recordings, strict=True)]
+    residuals, motion, beside = ([rows[i] for i in alike] for rows in (rest, predicted, beside))
+    lines = find_interference([names[i] for i in alike], channels, residuals, motion, dt, n, stepped, beside)
     return [*outliers, *pieces, *clipped, *lines]
+
+
+def _of_quick_depth(model: Model, s: Session, recording) -> np.ndarray:
+    """What the depth does more quickly than a simulation in the common band sees, as the skin answers to it in contact: (C, N) N."""
+    if s.drive is not None:
+        return np.zeros_like(s.raw)
+    quick, here = np.where(s.motion.x > 0.0, recording.depth - s.motion.x, 0.0), placed(model, s)
+    rate = np.gradient(quick, recording.dt)
+    return np.array([stiffness(here, c) * quick + damping(here, c) * rate for c in s.channels])
 
 
 def _beside(rows: list[np.ndarray], recordings: list, symptoms: list[Symptom]) -> list[np.ndarray]:

@@ -13,7 +13,7 @@ from skin_ident.criticism.gates.gate import MUCH_FALL, Gain
 from skin_ident.criticism.gates.second_opinion import at_any_scale
 from skin_ident.criticism.search.by_nature import same_by_nature
 from skin_ident.criticism.search.doubt import mending, shadowed, unproven
-from skin_ident.criticism.search.hardware import converter_does, encoder_does, negligible, no_other_does, stage_is_off, too_short
+from skin_ident.criticism.search.hardware import converter_does, encoder_does, hardware_is_off, negligible, no_other_does, too_short
 from skin_ident.criticism.search.named import Named, NotNamed
 from skin_ident.criticism.search.rivals import CHANCE_SCORE, Rival, own_rivals, reach
 from skin_ident.criticism.search.state import Search
@@ -171,7 +171,7 @@ def _is_hardware(search: Search, trial: Trial, gain: Gain) -> bool:
     """Whether a trial is so small that a good stage or converter does as much by itself; if it gains all the same, the reason is noted."""
     effects = trial.fit.model.having(trial.key)
     little = all(map(negligible, effects))
-    why = stage_is_off(effects, gain) if little else converter_does(search.claim(trial.key, gain, trial.fit.model))
+    why = hardware_is_off(effects, gain) if little else converter_does(search.claim(trial.key, gain, trial.fit.model))
     if why:
         search.hardware[trial.key] = why
     return bool(why) or little

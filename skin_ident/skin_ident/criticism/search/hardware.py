@@ -23,6 +23,7 @@ from skin_models.parameter import AMPLITUDE, parameters_of
 
 FINER = "an encoder, and converters, with finer steps and less noise"
 CROSSES = 3.0  # standard deviations of a resting force that count as the reach of its noise
+SOONER = "amplifiers of known, greater bandwidth, and converters that are triggered together"
 TRUER = "a stage of known, higher accuracy, and touches that begin and end in free air"
 
 
@@ -41,13 +42,17 @@ def negligible(e: Effect) -> bool:
     return bool(sizes) and all(abs(p.value) <= p.negligible for p in sizes)
 
 
-def stage_is_off(effects: list[Effect], gain: Gain) -> NotNamed | None:
+def hardware_is_off(effects: list[Effect], gain: Gain) -> NotNamed | None:
     """Why effects that gain are no finding, where they are no larger than good hardware has them anyway; else None."""
-    lengths = [p for e in effects for p in parameters_of(e) if p.role == AMPLITUDE and 0.0 < abs(p.value) <= p.negligible]
-    if not (lengths and gain.passed):
+    small = [p for e in effects for p in parameters_of(e) if p.role == AMPLITUDE and 0.0 < abs(p.value) <= p.negligible]
+    if not (small and gain.passed):
         return None
-    found, least = (_micrometres(max(of(p) for p in lengths)) for of in (lambda p: abs(p.value), lambda p: p.negligible))
-    return _usual(f"it would be {found} and {_worth(gain)}, but even a good stage is accurate to no better than {least}", TRUER)
+    largest = max(small, key=lambda p: abs(p.value) / p.negligible)
+    found, least = _length_or_time(abs(largest.value), largest.unit), _length_or_time(largest.negligible, largest.unit)
+    would = f"it would be {found} and {_worth(gain)}"
+    if largest.unit == "m":
+        return _usual(f"{would}, but even a good stage is accurate to no better than {least}", TRUER)
+    return _usual(f"{would}, but filters of good amplifiers, and converters that take turns, are late by up to {least}", SOONER)
 
 
 def encoder_does(claim: Claim, noise: Whitener, encoder_step: float) -> NotNamed | None:
@@ -146,6 +151,10 @@ def no_other_does(key: Key, why: NotNamed) -> NotNamed:
 
 def _worth(gain: Gain) -> str:
     return f"explain {np.sqrt(gain.squares):.2g} N rms of {gain.channel}"
+
+
+def _length_or_time(size: float, unit: str) -> str:
+    return {"m": _micrometres(size), "s": f"{1e3 * size:.2g} ms"}.get(unit, f"{size:.2g} {unit}")
 
 
 def _micrometres(length: float) -> str:

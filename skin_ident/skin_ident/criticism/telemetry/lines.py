@@ -57,20 +57,25 @@ def find_interference(
     dt: float,
     n_taxels: int,
     stepped: bool = False,
+    beside: list[np.ndarray] | None = None,
 ) -> list[Symptom]:
     """Periodic disturbances, one symptom per channel, from measured less simulated and simulated rows (C, N) at full rate of the sessions
     `names`.
 
-    Where depth is read in such coarse steps (`stepped`) that they make lines of their own, only lines that go on at rest count.
+    Where depth is read in such coarse steps (`stepped`) that they make lines of their own, only lines that go on at rest count. A line must
+    also be in the residuals `beside` what the depth does more quickly than a simulation in the common band sees: a stage that vibrates
+    is no disturbance of a sensor.
     """
+    beside = residuals if beside is None else beside
     found = []
     for c, channel in enumerate(channels):
         rows, motion, there = [e[c] for e in residuals], [m[c] for m in predicted], names
         each = _over_backgrounds(rows)
-        lines = _lines(rows, motion, each, dt, stepped)
+        vibrates = [e[c] for e in beside]
+        lines = _lines(rows, motion, vibrates, each, dt, stepped)
         if not lines and (some := _of_some(each, min(e.size for e in rows), dt)):
             few, there = [rows[i] for i in some], [names[i] for i in some]
-            lines = _lines(few, [motion[i] for i in some], _over_backgrounds(few), dt, stepped, strict=True)
+            lines = _lines(few, *([a[i] for i in some] for a in (motion, vibrates)), _over_backgrounds(few), dt, stepped, strict=True)
         if lines:
             found.append(_symptom(channel, lines, in_sessions(there, names), n_taxels, len(there)))
     return found
@@ -108,8 +113,13 @@ def is_left(symptom: Symptom, row: list[np.ndarray], dts: list[float]) -> bool:
     causes explain it, the motion had brought it. True for symptoms without an amplitude."""
     if "amplitude" not in symptom.parameters:
         return True
-    left = [_amplitude(e, symptom.parameters["frequency"]["value"], dt) for e, dt in zip(row, dts, strict=True)]
-    return float(np.median(left)) > LEFT * symptom.parameters["amplitude"]["value"]
+    return _stands_in(row, *(symptom.parameters[name]["value"] for name in ("frequency", "amplitude")), dts)
+
+
+def _stands_in(row: list[np.ndarray], frequency: float, amplitude: float, dts: list[float]) -> bool:
+    """Whether a line keeps most of its amplitude in the residuals e (N,), one for each session, sampled every `dts` s."""
+    left = [_amplitude(e, frequency, dt) for e, dt in zip(row, dts, strict=True)]
+    return float(np.median(left)) > LEFT * amplitude
 
 
 def between_lines(rests: list[np.ndarray], channels: tuple[str, ...], symptoms: Iterable[Symptom], dts: list[float]) -> list[np.ndarray]:
@@ -137,10 +147,17 @@ def _amplitude(e: np.ndarray, frequency: float, dt: float) -> float:
 
 
 def _lines(
-    rows: list[np.ndarray], predicted: list[np.ndarray], each: list[np.ndarray], dt: float, doubtful: bool, *, strict: bool = False
+    rows: list[np.ndarray],
+    predicted: list[np.ndarray],
+    beside: list[np.ndarray],
+    each: list[np.ndarray],
+    dt: float,
+    doubtful: bool,
+    *,
+    strict: bool = False,
 ) -> list[Line]:
     """The lines in the rows (N,) of one channel with normalised periodograms `each`, the tallest first, without those that the motion
-    brings.
+    brings, or a stage that vibrates (see `find_interference`).
 
     Where the motion brings one line, it may bring lower ones that no simple function of it shows. From then on, and from the start where
     the motion is `doubtful`, only lines that go on at rest count. A `strict` search also requires of all others that they stand very tall
@@ -162,8 +179,9 @@ def _lines(
         i += int(np.argmax(width[i : i + DRIFT]))
         line = _line(rows, frequency[i], tall, dt)
         alone = np.median(width[max(i - AROUND, 0) : i + AROUND + 1]) < LONELY * tall
-        tone = _narrow(each, i) or _in_bursts(rows, line.frequency, dt)
-        at_rest = (tone or tall > LONE_LINE) and goes_on_at_rest(rows, predicted, line.frequency, line.amplitude, dt)
+        stays = _stands_in(beside, line.frequency, line.amplitude, [dt] * len(rows))
+        tone = stays and (_narrow(each, i) or _in_bursts(rows, line.frequency, dt))
+        at_rest = stays and (tone or tall > LONE_LINE) and goes_on_at_rest(rows, predicted, line.frequency, line.amplitude, dt)
         if tone or at_rest:
             told = not doubtful and (tall > LONE_LINE or not strict)
             if at_rest or (alone and told and not is_of_motion(rows, predicted, line.frequency, line.amplitude, tall, dt, strict=strict)):
