@@ -347,3 +347,11 @@ def test_taxels_and_rivals_are_spoken_of_as_a_person_does():
     told = tell(examples.Outcome(findings("explained", entries=[entry]) | {"untestable": [asked]}))
     assert "taxel_2" not in markdown(told) and "| Taxel 2 does not follow. | a press on taxel 2 |" in markdown(told)
     assert "These data cannot tell it from the other name." in told.story.sure_because
+
+
+@pytest.mark.parametrize(("squares", "driven", "said"), [(1e-4, False, True), (1e-4, True, False), (0.04, False, False)])
+def test_a_bend_no_larger_than_errors_of_a_screw_asks_for_another_look_at_the_depth(squares, driven, said):
+    gain = SimpleNamespace(carried=("force",), relative=0.9, held_out="b", entry={}, channel="force", squares=squares)
+    bend = Named("nonlinear_stiffness", "skin", gain, 1.0, ())
+    entry = found(bend, examples.Model(examples.SILICONE), {}, {}, driven=driven)
+    assert ("0.81 µm in depth" in entry["advice"]) == said

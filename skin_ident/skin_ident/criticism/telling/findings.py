@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from skin_ident.criticism.baseline.residual import residual, rmse
+from skin_ident.criticism.baseline.residual import residual, rmse, stiffness
 from skin_ident.criticism.baseline.unknowns import Unknown, values
+from skin_ident.criticism.courses.run import AT_REST
 from skin_ident.criticism.pattern import FEWEST_SESSIONS, in_sessions, pattern, span
 from skin_ident.criticism.said import Said
 from skin_ident.criticism.search.bounds import excluded_and_untestable
@@ -32,6 +33,7 @@ from skin_models.parameter import parameters_of
 
 SCHEMA = 1
 OTHER_SKIN = "the skin differs from session to session, and one set of parameters does not fit all of them"
+BENDS_OVER_DEPTH = "nonlinear_stiffness"
 SAME_SKIN = "see what changed between sessions (specimen, place, temperature, age); fit different skins separately"
 Experiments = Mapping[Key, tuple[str, Experiment]]  # by cause and place: file name of the battery, and the experiment with its reasons
 
@@ -87,7 +89,7 @@ def found(
         separating=separating,
         computed=computed,
         means=OTHER_SKIN if named.is_another_skin else "",
-        advice=advice_on(named),
+        advice=advice_on(named) + ("" if driven else _as_a_screw_does(named, model)),
     ).as_json
 
 
@@ -104,6 +106,17 @@ def advice_on(named: Named) -> str:
     if any(course.crept for course in own):
         return f"see in the pictures whether it crept ({usual}) or jumped: then look for a knock, a loose connector or a tare in between"
     return f"{usual}, before every session" if own else usual
+
+
+def _as_a_screw_does(named: Named, model: Model) -> str:
+    """What else to look at where a bend of the force over depth is no larger than the depth itself may be off by: an encoder on the motor
+    does not see the errors of the screw."""
+    if named.cause != BENDS_OVER_DEPTH:
+        return ""
+    off = float(np.sqrt(named.gain.squares)) / max(stiffness(model, named.gain.channel), 1e-9)
+    if off > AT_REST:
+        return ""
+    return f"; an error of {1e6 * off:.2g} µm in depth, as a screw may have, would do as much: compare the depth with another sensor first"
 
 
 def _of_each_session(named: Named) -> dict[str, Any]:
