@@ -113,7 +113,14 @@ class DampedMount(Dynamic):
     source: ClassVar[str] = "Oliver and Pharr 1992"
 
     late: float = quantity(
-        "s", 0.0, lower=0.0, upper=1.0, typical=0.01, negligible=AT_ONCE, scan=(0.001, 0.05), doc="T, compliance times the specimen's damping"
+        "s",
+        0.0,
+        lower=0.0,
+        upper=1.0,
+        typical=0.01,
+        negligible=AT_ONCE,
+        scan=(0.001, 0.05),
+        doc="T, compliance times the specimen's damping",
     )
 
     def initial(self, rng=None) -> None:
@@ -144,7 +151,9 @@ class YieldingMount(Dynamic):
     proposed: ClassVar[bool] = False
     refines: ClassVar[type] = DampedMount
 
-    late: float = quantity("s", 0.0, lower=0.0, upper=1.0, typical=0.01, negligible=AT_ONCE, doc="L, by which the tip is late in slow motion; at most T")
+    late: float = quantity(
+        "s", 0.0, lower=0.0, upper=1.0, typical=0.01, negligible=AT_ONCE, doc="L, by which the tip is late in slow motion; at most T"
+    )
     settling: float = quantity("s", 0.05, lower=1e-3, upper=0.2, role=SHAPE, typical=0.05, doc="T, in which skin and mount come to rest")
 
     def initial(self, rng=None) -> None:

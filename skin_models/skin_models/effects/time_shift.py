@@ -38,7 +38,9 @@ class TimeShift(Dynamic):
     places: ClassVar = PLACES
     source: ClassVar[str] = "Laakso et al. 1996"
 
-    delay: float = quantity("s", 0.0, lower=-1.0, upper=1.0, typical=0.03, negligible=AT_ONCE, scan=(0.003, 0.1), doc="how late the channel is")
+    delay: float = quantity(
+        "s", 0.0, lower=-1.0, upper=1.0, typical=0.03, negligible=AT_ONCE, scan=(0.003, 0.1), doc="how late the channel is"
+    )
 
     def initial(self, rng=None) -> tuple:
         """The last samples, newest last: none."""
