@@ -34,7 +34,6 @@ from skin_ident.recordings.load import load
 from skin_models.signals import motion
 
 NOT_EFFECTS = ("noise", "data_error", "parameters", "unknown")
-SESSIONS = 3  # in a case, the last one held out
 LEAST = 0.3  # of the size asked for, below which nobody could have found it
 
 
@@ -57,8 +56,8 @@ class Judged:
     said: str
 
 
-def plan(kind: str, index: int, seed: int, size: float, causes: list[str]) -> Case:
-    """Case `index` of a campaign; equal arguments give equal cases."""
+def plan(kind: str, index: int, seed: int, size: float, causes: list[str], **setting_of_all) -> Case:
+    """Case `index` of a campaign, with what the setting of all cases is to have; equal arguments give equal cases."""
     rng = np.random.default_rng([seed, index])
     setting = {"seed": int(rng.integers(2**31)), "protocol": str(rng.choice(POOR)) if kind.startswith("poor") else "full"}
     setting["n_taxels"] = int(rng.choice([1, 1, 2, 3]))
@@ -70,7 +69,7 @@ def plan(kind: str, index: int, seed: int, size: float, causes: list[str]) -> Ca
     hides = tuple(Hide(str(n), str(rng.choice(PLACES[str(n)])), None, size) for n in names)
     if any(h.cause in NEEDS_ARRAY or h.form == "copied_column" for h in hides):
         setting["n_taxels"] = max(3, setting["n_taxels"])
-    return Case(hides, setting)
+    return Case(hides, setting | setting_of_all)
 
 
 def made(case: Case, keep: Path | None):
@@ -190,7 +189,7 @@ def _over_oracle(outcome, truth) -> float:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Command line: KIND [--size 1] [--count 54] [--seed 0] [--first 0] [--causes a,b] [--sessions 3] [--between X] [--keep FOLDER]."""
+    """Command line: KIND [--size 1] [--count 54] [--seed 0] [--first 0] [--causes a,b] [--sessions N] [--between X] [--keep FOLDER]."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("kind", choices=("null", "poor_null", "single", "pair", "poor"))
     parser.add_argument("--size", type=float, default=1.0)
@@ -198,18 +197,15 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--causes", default="")
-    parser.add_argument("--sessions", type=int, default=SESSIONS)
+    parser.add_argument("--sessions", dest="n_sessions", type=int, help="in a case, the last one held out; without it three")
     parser.add_argument("--between", type=float, help="change of the skin from session to session; without it 0 or 0.01")
     parser.add_argument("--keep", type=Path, help="folder for the cases, to run them again after a change")
     o = parser.parse_args(arguments)
     causes = o.causes.split(",") if o.causes else [c for c in PLACES if c not in NOT_EFFECTS]
+    of_all = {name: value for name, value in vars(o).items() if name in ("n_sessions", "between") and value is not None}
     judged = []
     for index in range(o.first, o.first + o.count):
-        case = plan(o.kind, index, o.seed, o.size, causes)
-        if o.sessions != SESSIONS:
-            case.setting["n_sessions"] = o.sessions
-        if o.between is not None:
-            case.setting["between"] = o.between
+        case = plan(o.kind, index, o.seed, o.size, causes, **of_all)
         j, outcome = run(case, o.keep)
         judged.append((case, j, outcome.findings["verdict"]))
         what = "; ".join(f"{h.cause}/{h.where}/{h.form}" for h in _completed(case)) or "nothing"

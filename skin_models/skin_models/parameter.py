@@ -14,7 +14,7 @@ from skin_models.errors import ModelError
 
 AMPLITUDE = "amplitude"
 SHAPE = "shape"
-AT_ONCE = 2e-4  # s, by which good hardware may be late: an amplifier with a filter of 1 kHz, or converters read one after the other
+PROMPT = 2e-4  # s, by which good hardware may be late: an amplifier with a filter of 1 kHz, or converters read one after the other
 
 
 @dataclass(frozen=True)

@@ -196,8 +196,8 @@ def _in_residuals(
     pieces = [s for s in find_pieces(first, sessions, rest) if (s.cause, s.channels[0]) not in told]
     rest = _beside(rest, recordings, [*outliers, *pieces])
     alike = [i for i, r in enumerate(recordings) if abs(r.dt / dt - 1.0) < SAME_RATE]
-    beside = [e - _of_quick_depth(first, s, r) for e, s, r in zip(rest, sessions, recordings, strict=True)]
-    residuals, motion, beside = ([rows[i] for i in alike] for rows in (rest, predicted, beside))
+    beside = [rest[i] - _of_quick_depth(first, sessions[i], recordings[i]) for i in alike]
+    residuals, motion = ([rows[i] for i in alike] for rows in (rest, predicted))
     lines = find_interference([names[i] for i in alike], channels, residuals, motion, dt, n, stepped, beside)
     return [*outliers, *pieces, *clipped, *lines]
 

@@ -23,7 +23,7 @@ from scipy.signal import lfilter, lfilter_zi
 
 from skin_models.effect import Dynamic, Place
 from skin_models.operators.lagging import in_part, lagged, lagged_either_way, lagged_step, lagged_step_either_way, second_order_factors
-from skin_models.parameter import AT_ONCE, SHAPE, quantity
+from skin_models.parameter import PROMPT, SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
 
@@ -35,7 +35,7 @@ class Lag(Dynamic):
     places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
     source: ClassVar[str] = "Franklin, Powell and Workman 1998, section 6.3.2"
 
-    tau: float = quantity("s", 0.0, lower=0.0, upper=100.0, typical=0.05, negligible=AT_ONCE, scan=(0.005, 0.05, 0.2), doc="time constant")
+    tau: float = quantity("s", 0.0, lower=0.0, upper=100.0, typical=0.05, negligible=PROMPT, scan=(0.005, 0.05, 0.2), doc="time constant")
 
     def initial(self, rng=None) -> None:
         """None: the first sample is taken as rest. From then on the state is z[n-1] and y[n-1], N."""
@@ -62,7 +62,7 @@ class SecondOrderLag(Dynamic):
     proposed: ClassVar[bool] = False
     refines: ClassVar[type] = Lag
 
-    tau: float = quantity("s", 0.0, lower=0.0, upper=100.0, typical=0.05, negligible=AT_ONCE, doc="delay of slow inputs")
+    tau: float = quantity("s", 0.0, lower=0.0, upper=100.0, typical=0.05, negligible=PROMPT, doc="delay of slow inputs")
     damping: float = quantity("1", 0.7, lower=0.2, upper=5.0, role=SHAPE, typical=0.7, doc="damping ratio zeta")
 
     def initial(self, rng=None) -> None:
@@ -100,7 +100,7 @@ class PartialLag(Dynamic):
     proposed: ClassVar[bool] = False
     refines: ClassVar[type] = Lag
 
-    tau: float = quantity("s", 0.0, lower=0.0, upper=2.0, typical=0.05, negligible=AT_ONCE, doc="delay of slow inputs, at most T")
+    tau: float = quantity("s", 0.0, lower=0.0, upper=2.0, typical=0.05, negligible=PROMPT, doc="delay of slow inputs, at most T")
     settling: float = quantity("s", 0.3, lower=1e-3, upper=2.0, role=SHAPE, typical=0.3, doc="time T in which the late part comes")
 
     def initial(self, rng=None) -> None:

@@ -35,7 +35,7 @@ from scipy.special import wrightomega
 
 from skin_models.effect import Dynamic, Memoryless, Place
 from skin_models.operators.lagging import in_part, lagged_in_contact, lagged_in_contact_step
-from skin_models.parameter import AT_ONCE, SHAPE, quantity
+from skin_models.parameter import PROMPT, SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
 TINY = 1e-9  # smallest L / X that counts: below it the joint is taken to be rigid
@@ -118,7 +118,7 @@ class DampedMount(Dynamic):
         lower=0.0,
         upper=1.0,
         typical=0.01,
-        negligible=AT_ONCE,
+        negligible=PROMPT,
         scan=(0.001, 0.05),
         doc="T, compliance times the specimen's damping",
     )
@@ -152,7 +152,7 @@ class YieldingMount(Dynamic):
     refines: ClassVar[type] = DampedMount
 
     late: float = quantity(
-        "s", 0.0, lower=0.0, upper=1.0, typical=0.01, negligible=AT_ONCE, doc="L, by which the tip is late in slow motion; at most T"
+        "s", 0.0, lower=0.0, upper=1.0, typical=0.01, negligible=PROMPT, doc="L, by which the tip is late in slow motion; at most T"
     )
     settling: float = quantity("s", 0.05, lower=1e-3, upper=0.2, role=SHAPE, typical=0.05, doc="T, in which skin and mount come to rest")
 

@@ -24,7 +24,7 @@ import numpy as np
 
 from skin_models.effect import Dynamic, Place
 from skin_models.operators.draws import Stream, new_key, uniform, whole
-from skin_models.parameter import AT_ONCE, quantity
+from skin_models.parameter import PROMPT, quantity
 from skin_models.signals import Motion, Sample
 
 PLACES = {"clock": Place.LOAD_CELL, "clock_taxels": Place.TAXEL, "clock_depth": Place.DEPTH}
@@ -39,7 +39,7 @@ class TimeShift(Dynamic):
     source: ClassVar[str] = "Laakso et al. 1996"
 
     delay: float = quantity(
-        "s", 0.0, lower=-1.0, upper=1.0, typical=0.03, negligible=AT_ONCE, scan=(0.003, 0.1), doc="how late the channel is"
+        "s", 0.0, lower=-1.0, upper=1.0, typical=0.03, negligible=PROMPT, scan=(0.003, 0.1), doc="how late the channel is"
     )
 
     def initial(self, rng=None) -> tuple:
@@ -68,7 +68,7 @@ class SkewedClock(Dynamic):
     refines: ClassVar[type] = TimeShift
 
     skew: float = quantity("ppm", 0.0, lower=-1e4, upper=1e4, typical=200.0, negligible=2.0, doc="how much later it gets with time")
-    delay: float = quantity("s", 0.0, lower=-1.0, upper=1.0, typical=0.001, negligible=AT_ONCE, doc="how late the channel is at first")
+    delay: float = quantity("s", 0.0, lower=-1.0, upper=1.0, typical=0.001, negligible=PROMPT, doc="how late the channel is at first")
 
     def initial(self, rng=None) -> tuple[int, tuple]:
         """Number of samples so far, and the last of them, newest last: 0 and none."""

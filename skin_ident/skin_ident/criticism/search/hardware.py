@@ -47,8 +47,8 @@ def hardware_is_off(effects: list[Effect], gain: Gain) -> NotNamed | None:
     small = [p for e in effects for p in parameters_of(e) if p.role == AMPLITUDE and 0.0 < abs(p.value) <= p.negligible]
     if not (small and gain.passed):
         return None
-    largest = max(small, key=lambda p: abs(p.value) / p.negligible)
-    found, least = _length_or_time(abs(largest.value), largest.unit), _length_or_time(largest.negligible, largest.unit)
+    largest = max(small, key=lambda p: (p.unit in IN_WORDS, abs(p.value) / p.negligible))
+    found, least = (IN_WORDS.get(largest.unit, "{:.2g} ppm".format)(x) for x in (abs(largest.value), largest.negligible))
     would = f"it would be {found} and {_worth(gain)}"
     if largest.unit == "m":
         return _usual(f"{would}, but even a good stage is accurate to no better than {least}", TRUER)
@@ -99,7 +99,7 @@ def stage_does(run: Run, encoder_step: float) -> NotNamed:
     """Why a course is no finding that is smaller than what a good stage or clock does, or than what an encoder reads."""
     if run.course.carrier == DEPTH:
         return _zero_of_depth(f"within single sessions the zero of depth would step by {_micrometres(run.largest)}", encoder_step)
-    found, least = (f"{1e3 * x:.3g} ms" for x in (run.largest, run.least(encoder_step)))
+    found, least = map(_milliseconds, (run.largest, run.least(encoder_step)))
     return _usual(f"within single sessions the delay would step by {found}, but good hardware steps by up to {least} by itself")
 
 
@@ -153,14 +153,17 @@ def _worth(gain: Gain) -> str:
     return f"explain {np.sqrt(gain.squares):.2g} N rms of {gain.channel}"
 
 
-def _length_or_time(size: float, unit: str) -> str:
-    return {"m": _micrometres(size), "s": f"{1e3 * size:.2g} ms"}.get(unit, f"{size:.2g} {unit}")
-
-
 def _micrometres(length: float) -> str:
     return f"{1e6 * length:.3g} µm"
+
+
+def _milliseconds(time: float) -> str:
+    return f"{1e3 * time:.3g} ms"
 
 
 def _usual(why: str, needs: str = "", own_zero: bool = False) -> NotNamed:
     """Something of any size that is no finding because hardware does as much."""
     return NotNamed(np.inf, why, needs, hardware=True, own_zero=own_zero)
+
+
+IN_WORDS = {"m": _micrometres, "s": _milliseconds}  # by unit

@@ -39,7 +39,7 @@ FARTHEST, LARGEST = 0.1, 0.5  # largest relative deviation of any parameter, as 
 FAR_AHEAD = 2.0  # times what anything else explains, from which it may be that large: what changes by more than FARTHEST mostly has a cause
 NEARLY_AS_LITTLE = 4.0  # times the mean square of fitted sessions, below which another skin explains held-out ones
 AHEAD = 1.1  # times the score of a course that skin parameters must explain to go before it
-NEARLY = 0.85  # share of that score which is enough where the course may as well be such parameters
+NEARLY = 0.85  # share of the score of a course, or of a cause of skin or rig, which is enough where it may as well be such parameters
 MOSTLY = 0.75  # share of a gain's or zero's score from which it is constant in every session but for details
 MUCH = 0.5  # share of what skin parameters explain, above which a gain or a zero of depth is reported as in doubt
 PATTERN = 4  # sessions from which on a gain that steps looks different from skin that strays
@@ -177,11 +177,10 @@ def settle_skin(search: Search) -> None:
         if len(search.train) > 1:
             _settle_train(search)
         search.held = [_with_its_own(search, s) for s in search.held]
-        gains = cost - _cost(search)
-        if gains < GAINS_NOTHING:
+        if cost - _cost(search) < GAINS_NOTHING:
             search.train, search.held, search.present = as_it_was
         search.look()
-        if gains < GAINS_NOTHING or np.abs(_present_of_all(search) - before).max() < SETTLED_IN_NOISE:
+        if np.abs(_present_of_all(search) - before).max() < SETTLED_IN_NOISE:
             return
 
 

@@ -33,6 +33,7 @@ from skin_ident.criticism.projection import basis, projected_off
 from skin_ident.criticism.search.believing import believed_in_part
 from skin_ident.criticism.search.growing import felt
 from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.own_skin import NEARLY
 from skin_ident.criticism.search.plausible import plausible
 from skin_ident.criticism.search.rivals import PROMISING, Rival, reach
 from skin_ident.criticism.search.state import Search
@@ -50,7 +51,6 @@ COIN = 2.0 * np.log(2.0)  # twice nats, charge per session for having the cause 
 TIMES = 3  # rounds in which sessions are asked whether they have it
 TELLS = 6.0  # twice nats by which a session must be nearer without a cause to lack it
 SLIGHT = 0.013  # share of a force by which skin may differ from day to day
-NEARLY = 0.85  # share of a cause's score above which skin parameters of each session's own go before a cause of skin or rig
 AS_WELL = 0.7  # share of a cause's score above which other parameters stand for a slight cause, and a good stage for any
 
 

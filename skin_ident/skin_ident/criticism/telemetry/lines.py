@@ -71,11 +71,11 @@ def find_interference(
     for c, channel in enumerate(channels):
         rows, motion, there = [e[c] for e in residuals], [m[c] for m in predicted], names
         each = _over_backgrounds(rows)
-        vibrates = [e[c] for e in beside]
-        lines = _lines(rows, motion, vibrates, each, dt, stepped)
+        still = [e[c] for e in beside]
+        lines = _lines(rows, motion, still, each, dt, stepped)
         if not lines and (some := _of_some(each, min(e.size for e in rows), dt)):
             few, there = [rows[i] for i in some], [names[i] for i in some]
-            lines = _lines(few, *([a[i] for i in some] for a in (motion, vibrates)), _over_backgrounds(few), dt, stepped, strict=True)
+            lines = _lines(few, *([a[i] for i in some] for a in (motion, still)), _over_backgrounds(few), dt, stepped, strict=True)
         if lines:
             found.append(_symptom(channel, lines, in_sessions(there, names), n_taxels, len(there)))
     return found

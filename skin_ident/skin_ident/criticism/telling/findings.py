@@ -24,7 +24,7 @@ from skin_ident.criticism.telling.entry import Entry, alternative, no_gain
 from skin_ident.criticism.telling.given_model import not_there, numbers_fitted
 from skin_ident.criticism.telling.leftover import Rest
 from skin_ident.criticism.telling.untold import KNOWN_LOAD, with_load_cell_untold
-from skin_ident.criticism.vocabulary import BY_NAME, PARAMETERS, Key, word_of
+from skin_ident.criticism.vocabulary import BY_NAME, PARAMETERS, STIFFER, Key, word_of
 from skin_ident.recordings.carried import said_of
 from skin_ident.recordings.recording import Recording
 from skin_ident.separating.choose import Experiment
@@ -33,7 +33,6 @@ from skin_models.parameter import parameters_of
 
 SCHEMA = 1
 OTHER_SKIN = "the skin differs from session to session, and one set of parameters does not fit all of them"
-BENDS_OVER_DEPTH = "nonlinear_stiffness"
 SAME_SKIN = "see what changed between sessions (specimen, place, temperature, age); fit different skins separately"
 Experiments = Mapping[Key, tuple[str, Experiment]]  # by cause and place: file name of the battery, and the experiment with its reasons
 
@@ -111,7 +110,7 @@ def advice_on(named: Named) -> str:
 def _as_a_screw_does(named: Named, model: Model) -> str:
     """What else to look at where a bend of the force over depth is no larger than the depth itself may be off by: an encoder on the motor
     does not see the errors of the screw."""
-    if named.cause != BENDS_OVER_DEPTH:
+    if named.key != STIFFER:
         return ""
     off = float(np.sqrt(named.gain.squares)) / max(stiffness(model, named.gain.channel), 1e-9)
     if off > AT_REST:
