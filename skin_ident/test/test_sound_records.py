@@ -99,6 +99,20 @@ def test_a_declared_mass_that_hangs_on_the_load_cell_is_no_fault(mass):
     assert any("tared with it" in w for w in outcome.findings["warnings"])
 
 
+@pytest.mark.parametrize(("recorded", "mass", "threshold"), rows([(tared, 0.0066, 0.1), (tared, 0.03, 0.3), (heavy, 0.03, 0.3)], 2))
+def test_a_declared_mass_is_what_it_is_beside_a_threshold_of_the_taxel(recorded, mass, threshold):
+    """Whether it hangs or leans. A curvature of the skin would explain the missing weight and the threshold at once. `threshold` is N."""
+
+    def answering_late(seed: int) -> Recording:
+        r = recorded(seed, mass) if recorded is tared else recorded(seed, mass, Declared(moving_mass_kg=mass))
+        lost = threshold * np.tanh(np.maximum(r.taxels, 0.0) / threshold)
+        return replace(r, taxels=r.taxels - lost)
+
+    outcome = diagnose([answering_late(1)], [answering_late(2)])
+    assert [(f["cause"], f["where"]) for f in outcome.findings["findings"]] == [("dead_zone", "taxel")]
+    assert (outcome.baseline.dispersion.m < 0.25 * mass) == (recorded is tared)
+
+
 def tared_in_steps(seed: int, zero: float) -> Recording:
     """A converter with steps of the noise's size, and a taxel whose zero is off by `zero` steps."""
     t, x = presses(seed, 60.0)

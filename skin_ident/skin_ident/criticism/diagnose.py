@@ -162,10 +162,10 @@ def _part(every: list, looked: Inspected, known: _Known, model: Model | None, pr
     declared = every[0].declared.moving_mass_kg is not None
     c = criticise(train, held, model, progress, mass, array_directions(layout, longest(train)), step, declared)
     c = _with_the_dead(c, looked)
-    if c.train[0].free_mass:
-        looked = looked.weighed(c.train[0].heaviest)
-        before = mass if model is None else model.dispersion.m
-        every = warned_first(every, mass_warnings(c.extended.model.dispersion.m, before, declared))
+    looked = looked.weighed(c.train[0].heaviest)
+    set_to, weighs = mass if model is None else model.dispersion.m, c.extended.model.dispersion.m
+    if weighs != set_to:
+        every = warned_first(every, mass_warnings(weighs, set_to, declared))
     progress("testing whether a pattern is left")
     after = _with_courses(looked.sessions, c)
     seen = (*_in_the_rest(c, every, after, looked.symptoms), *find_pull(c.extended.model, after))
@@ -176,11 +176,11 @@ def _part(every: list, looked: Inspected, known: _Known, model: Model | None, pr
     experiments = separating_experiments(c, progress)
     progress("measuring the gain on held-out data")
     whole = known.split(looked.whole)
-    judged = judge(c, symptoms, whole, model, mass)
+    judged = judge(c, symptoms, whole, model)
     findings = as_findings(judged.criticism, symptoms, every, *whole, rest, verdict, model is not None, experiments)
     findings = tell(findings, judged, symptoms, step)
     findings["untestable"] = with_dead_untold(findings["untestable"], [s.where for s in looked.dead])
-    if model is None and every[0].depth is not None and not c.train[0].free_mass:
+    if model is None and every[0].depth is not None and weighs == set_to:
         findings["baseline"]["held"] = {"m": {"value": mass, "unit": "kg", "because": known.mass.source}}
     return _Part(looked, train, held, judged.criticism, seen, symptoms, findings, experiments)
 

@@ -130,12 +130,13 @@ def _name_all(search: Search) -> None:
 
 
 def _baseline_beside(c: Criticism, start: Model, hanging: tuple[Effect, ...], train: list[Session]) -> Fit:
-    """The plain model, as near to the record as it can be: fitted again in the noise that is left beside all causes. Where the mass was
-    fitted, or sessions have a skin of their own that is no finding, it has these, too."""
+    """The plain model, as near to the record as it can be: fitted again in the noise that is left beside all causes. Where the mass is
+    another, or sessions have a skin of their own that is no finding, it has these, too."""
     plain = [replace(s, skin=c.skin_before(own)) for s, own in zip(train, c.train, strict=True)]
-    if not (c.named or c.train[0].free_mass or any(s.skin for s in plain)):
+    if not (c.named or hanging or c.train[0].free_mass or any(s.skin for s in plain)):
         return c.baseline
-    return fit(replace(start, effects=hanging), weighed(plain, c.train[0].heaviest), c.last.noise)
+    begin = replace(start, dispersion=replace(start.dispersion, m=c.extended.model.dispersion.m), effects=hanging)
+    return fit(begin, weighed(plain, c.train[0].heaviest), c.last.noise)
 
 
 def _predicts_worse(c: Criticism, held: list[Session]) -> bool:

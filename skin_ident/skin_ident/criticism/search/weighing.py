@@ -12,7 +12,7 @@ So when something is wrong the mass is tried beside all causes; that of a given 
 after a tare. Where it accounts for the record better than any of them it belongs to the
 baseline; of a mass that hangs, its inertia does. A mass that was assumed, because nobody declared one, is only an upper bound. Where a
 smaller one explains enough, whatever else is wrong, the mass is fitted between zero and that bound. It is held again at the end if it need
-not have been fitted.
+not have been fitted. A declared mass hangs where one cause beside that explains as much as any beside the weight.
 """
 
 from collections.abc import Iterator
@@ -32,8 +32,9 @@ from skin_models.signals import GRAVITY
 
 LIGHTER = 0.5  # of the mass that was set; a fitted one below this contradicts it
 COUNTS = 0.25  # of what the best of all causes explains; a mass that explains less waits
-HANGS = 0.01  # kg; a mass set to this or more may hang on the load cell, while the skin's own does not
-OF_SKIN = 0.005  # kg, of a few square centimetres as thick as a finger's width: the most that skin under a plunger may weigh
+# kg, of a few square centimetres as thick as a finger's width: the most that skin under a plunger may weigh. A mass that was set to this or
+# more may hang on the load cell.
+OF_SKIN = 0.005
 
 
 def other_mass(search: Search) -> Fit | None:
@@ -59,9 +60,12 @@ def weighs_as_skin(given: Model) -> bool:
     return 0.0 < given.dispersion.m < OF_SKIN
 
 
-def heaviest_of(present: Model, free: Model) -> float:
-    """The mass up to which it is to be fitted, kg: one that came out lighter than what was set does not become heavier than that."""
-    return present.dispersion.m if lighter(present, free) else np.inf
+def heaviest_of(present: Model, found: Fit) -> float:
+    """The mass up to which it is to be fitted, kg: one that came out lighter than what was set does not become heavier than that. 0 where
+    it was not fitted, since it hangs."""
+    if not any(u.label == "m" for u in found.unknowns):
+        return 0.0
+    return present.dispersion.m if lighter(present, found.model) else np.inf
 
 
 def held_again(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | None:
@@ -71,6 +75,20 @@ def held_again(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | 
         return None
     held = fit(replace(present.model, dispersion=replace(present.model.dispersion, m=m)), weighed(sessions, 0.0), noise)
     return held if present.score_over(held) < _least(held, sessions) else None
+
+
+def hung_mass(search: Search, free: Fit | None, best: float) -> Fit | None:
+    """The fit with a declared mass that hangs, where some cause beside it explains as much as the `best` one beside the mass as it was set,
+    which must account for the missing weight as well: whatever bends does that, and then the right cause is not seen. None where the
+    `free` mass is no lighter."""
+    present, m = search.present, search.present.model.dispersion.m
+    if free is None or not search.declared or not hanging(present.model, free.model):
+        return None
+    weightless = replace(present.model, dispersion=replace(present.model.dispersion, m=0.0))
+    hung = fit(weightless.extended(Inertia("rig", mass=m)), search.train, search.noise)
+    ahead = search.ahead(hung)
+    beside = max((t.score for t in ahead.trials(ahead.survey())), default=0.0)
+    return hung if hung.score_over(present) + beside > reach(best) else None
 
 
 def weighs(search: Search, free: Fit, best: float) -> bool:
@@ -113,19 +131,19 @@ def settles(search: Search, free: Fit, best: float) -> bool:
     if free.score_over(search.present) <= best:
         return False
     ahead = search.ahead(free)
-    ahead.train = weighed(search.train, heaviest_of(search.present.model, free.model))
+    ahead.train = weighed(search.train, heaviest_of(search.present.model, free))
     return ahead.look().ranked[0].score < search.least(free.count)
 
 
-def weigh(search: Search, free: Fit) -> None:
-    """Take the fit with another mass, which is fitted from now on. What has been named without it must be found again, unless the mass is
-    no more than what was assumed of the skin's own."""
+def weigh(search: Search, found: Fit) -> None:
+    """Take the fit with another mass, which is fitted from now on unless it hangs. What has been named without it must be found again,
+    unless the mass is no more than what was assumed of the skin's own."""
     search.progress("fitting the mass, too")
     before, noise = search.present.model, search.noise
-    heaviest, kept = heaviest_of(before, free.model), lighter(before, free.model) and not search.declared
+    heaviest, kept = heaviest_of(before, found), lighter(before, found.model) and not search.declared
     search.train, search.held = weighed(search.train, heaviest), weighed(search.held, heaviest)
-    search.hanging = hanging(before, free.model)
-    search.present = fit(free.model if kept else replace(free.model, effects=search.hanging), search.train, noise)
+    search.hanging = hanging(before, found.model) or search.hanging
+    search.present = fit(found.model if kept else replace(found.model, effects=search.hanging), search.train, noise)
     # The noise with the other mass was that of a wrong model.
     search.present = fit(search.present.model, search.train, search.survey().noise)
     if not kept:
@@ -149,7 +167,7 @@ def _least(free: Fit, sessions: list[Session]) -> float:
 def hanging(before: Model, after: Model) -> tuple[Inertia, ...]:
     """What remains of a mass that was set but does not lean on the skin: its inertia."""
     m = before.dispersion.m - after.dispersion.m
-    return (Inertia("rig", mass=m),) if before.dispersion.m >= HANGS and lighter(before, after) else ()
+    return (Inertia("rig", mass=m),) if before.dispersion.m >= OF_SKIN and lighter(before, after) else ()
 
 
 def lighter(before: Model, after: Model) -> bool:
@@ -161,7 +179,7 @@ def mass_warnings(mass: float, before: float, declared: bool) -> Iterator[str]:
     """A warning that the mass was fitted, where it had been set to that of the skin, or as `declared`. None where skin is lighter than was
     assumed: that the load cell reads no weight of millinewtons in contact is common, for one after a tare, and no fault."""
     force = abs(mass - before) * GRAVITY
-    if declared and mass < before and before >= HANGS:
+    if declared and mass < before and before >= OF_SKIN:
         yield (
             f"the model's mass was fitted, {mass:.3g} kg: with the declared one ({before:.3g} kg) resting on the skin the record cannot be "
             f"explained, since its weight would take {force:.3g} N from the load cell while the plunger touches. It is taken to hang on a "

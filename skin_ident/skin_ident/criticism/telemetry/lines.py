@@ -9,6 +9,7 @@ lack may come from a motion that only these have. Such a line must go on at rest
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -49,6 +50,46 @@ class Line:
     tall: float
 
 
+@dataclass(frozen=True)
+class _Rows:
+    """One channel of all sessions at full rate, a row (N,) of each: measured less simulated, simulated, and measured less simulated beside
+    what the depth does more quickly (see `find_interference`). Sampled every `dt` s."""
+
+    left: list[np.ndarray]
+    predicted: list[np.ndarray]
+    beside: list[np.ndarray]
+    dt: float
+
+    def of(self, some: list[int]) -> "_Rows":
+        """The rows of some sessions alone."""
+        return _Rows(*([rows[i] for i in some] for rows in (self.left, self.predicted, self.beside)), self.dt)
+
+    @property
+    def shortest(self) -> int:
+        """Number of samples of the shortest row."""
+        return min(e.size for e in self.left)
+
+    @property
+    def frequency(self) -> np.ndarray:
+        """Frequencies, Hz, of the periodograms."""
+        return np.fft.rfftfreq(self.shortest, self.dt)
+
+    @property
+    def asked(self) -> np.ndarray:
+        """Mask of the frequencies at which lines are looked for."""
+        frequency, seconds = self.frequency, self.shortest * self.dt
+        return (frequency >= max(LOWEST_HZ, FEWEST_CYCLES / seconds)) & (frequency <= frequency[-1] - 2.0 / seconds)
+
+    @cached_property
+    def over_backgrounds(self) -> list[np.ndarray]:
+        """Periodograms of what is left divided by their backgrounds, each cut to the length of the shortest row."""
+        return [over_background(e[: self.shortest]) for e in self.left]
+
+    def by_chance(self, sessions: int) -> float:
+        """Height over the background, averaged over sessions, that the tallest frequency reaches by chance."""
+        return (sessions > 1) - float(np.log(CHANCE / self.shortest)) / sessions
+
+
 def find_interference(
     names: list[str],
     channels: tuple[str, ...],
@@ -66,46 +107,26 @@ def find_interference(
     also be in the residuals `beside` what the depth does more quickly than a simulation in the common band sees: a stage that vibrates
     is no disturbance of a sensor.
     """
-    beside = residuals if beside is None else beside
     found = []
     for c, channel in enumerate(channels):
-        rows, motion, there = [e[c] for e in residuals], [m[c] for m in predicted], names
-        each = _over_backgrounds(rows)
-        still = [e[c] for e in beside]
-        lines = _lines(rows, motion, still, each, dt, stepped)
-        if not lines and (some := _of_some(each, min(e.size for e in rows), dt)):
-            few, there = [rows[i] for i in some], [names[i] for i in some]
-            lines = _lines(few, *([a[i] for i in some] for a in (motion, still)), _over_backgrounds(few), dt, stepped, strict=True)
+        rows, there = _Rows(*([e[c] for e in each] for each in (residuals, predicted, beside or residuals)), dt), names
+        lines = _lines(rows, stepped)
+        if not lines and (some := _of_some(rows)):
+            rows, there = rows.of(some), [names[i] for i in some]
+            lines = _lines(rows, stepped, strict=True)
         if lines:
             found.append(_symptom(channel, lines, in_sessions(there, names), n_taxels, len(there)))
     return found
 
 
-def _over_backgrounds(rows: list[np.ndarray]) -> list[np.ndarray]:
-    """Periodograms of rows (N,) divided by their backgrounds, each cut to the length of the shortest row."""
-    n = min(e.size for e in rows)
-    return [over_background(e[:n]) for e in rows]
-
-
-def _of_some(each: list[np.ndarray], n: int, dt: float) -> list[int]:
-    """Indices of the normalised periodograms `each`, of n samples, that share the tallest line which two or more have and others lack."""
-    if len(each) <= 2:
+def _of_some(rows: _Rows) -> list[int]:
+    """Indices of the sessions that share the tallest line which two or more have and others lack."""
+    if len(rows.left) <= 2:
         return []
-    tall = np.array([maximum_filter1d(row, DRIFT) for row in each]) * _asked(n, dt)
-    limit, shared = TALLER * _by_chance(n, 1), np.sort(tall, axis=0)[-2]
+    tall = np.array([maximum_filter1d(row, DRIFT) for row in rows.over_backgrounds]) * rows.asked
+    limit, shared = TALLER * rows.by_chance(1), np.sort(tall, axis=0)[-2]
     some = np.flatnonzero(tall[:, np.argmax(shared)] > limit)
-    return some.tolist() if 1 < some.size < len(each) else []
-
-
-def _asked(n: int, dt: float) -> np.ndarray:
-    """Mask of the frequencies of n samples at which lines are looked for."""
-    frequency = np.fft.rfftfreq(n, dt)
-    return (frequency >= max(LOWEST_HZ, FEWEST_CYCLES / (n * dt))) & (frequency <= frequency[-1] - 2.0 / (n * dt))
-
-
-def _by_chance(n: int, sessions: int) -> float:
-    """Height over the background, averaged over sessions, that the tallest of n frequencies reaches by chance."""
-    return (sessions > 1) - float(np.log(CHANCE / n)) / sessions
+    return some.tolist() if 1 < some.size < len(tall) else []
 
 
 def is_left(symptom: Symptom, row: list[np.ndarray], dts: list[float]) -> bool:
@@ -146,30 +167,21 @@ def _amplitude(e: np.ndarray, frequency: float, dt: float) -> float:
     return 2.0 * float(np.abs(np.sum((e - e.mean()) * taper * np.exp(-2j * np.pi * frequency * dt * np.arange(e.size))))) / taper.sum()
 
 
-def _lines(
-    rows: list[np.ndarray],
-    predicted: list[np.ndarray],
-    beside: list[np.ndarray],
-    each: list[np.ndarray],
-    dt: float,
-    doubtful: bool,
-    *,
-    strict: bool = False,
-) -> list[Line]:
-    """The lines in the rows (N,) of one channel with normalised periodograms `each`, the tallest first, without those that the motion
-    brings, or a stage that vibrates (see `find_interference`).
+def _lines(rows: _Rows, doubtful: bool, *, strict: bool = False) -> list[Line]:
+    """The lines in one channel, the tallest first, without those that the motion brings, or a stage that vibrates (see
+    `find_interference`).
 
     Where the motion brings one line, it may bring lower ones that no simple function of it shows. From then on, and from the start where
     the motion is `doubtful`, only lines that go on at rest count. A `strict` search also requires of all others that they stand very tall
     and that the motion hardly moves there.
     """
-    n = min(e.size for e in rows)
-    frequency = np.fft.rfftfreq(n, dt)
+    each, sessions, dt = rows.over_backgrounds, len(rows.left), rows.dt
+    moved = rows.left, rows.predicted
     width = np.mean(each, axis=0)
     near = [maximum_filter1d(row, DRIFT) for row in each]
-    ratio = np.median(near, axis=0) if len(rows) > 2 else _in_both(each)
+    ratio = np.median(near, axis=0) if sessions > 2 else _in_both(each)
     ratio[np.mean(np.array(near) > SEEN, axis=0) <= MOST_SESSIONS] = 0.0
-    ratio, limit = ratio * _asked(n, dt), _by_chance(n, len(rows))
+    ratio, limit = ratio * rows.asked, rows.by_chance(sessions)
     lines = []
     for _ in range(MOST):
         i = int(np.argmax(ratio))
@@ -177,14 +189,14 @@ def _lines(
         if tall <= TALLER * limit:
             break
         i += int(np.argmax(width[i : i + DRIFT]))
-        line = _line(rows, frequency[i], tall, dt)
+        line = _line(rows.left, rows.frequency[i], tall, dt)
         alone = np.median(width[max(i - AROUND, 0) : i + AROUND + 1]) < LONELY * tall
-        stays = _stands_in(beside, line.frequency, line.amplitude, [dt] * len(rows))
-        tone = stays and (_narrow(each, i) or _in_bursts(rows, line.frequency, dt))
-        at_rest = stays and (tone or tall > LONE_LINE) and goes_on_at_rest(rows, predicted, line.frequency, line.amplitude, dt)
+        stays = _stands_in(rows.beside, line.frequency, line.amplitude, [dt] * sessions)
+        tone = stays and (_narrow(each, i) or _in_bursts(rows.left, line.frequency, dt))
+        at_rest = stays and (tone or tall > LONE_LINE) and goes_on_at_rest(*moved, line.frequency, line.amplitude, dt)
         if tone or at_rest:
             told = not doubtful and (tall > LONE_LINE or not strict)
-            if at_rest or (alone and told and not is_of_motion(rows, predicted, line.frequency, line.amplitude, tall, dt, strict=strict)):
+            if at_rest or (alone and told and not is_of_motion(*moved, line.frequency, line.amplitude, tall, dt, strict=strict)):
                 lines.append(line)
             else:
                 doubtful = True

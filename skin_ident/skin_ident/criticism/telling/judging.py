@@ -38,34 +38,33 @@ class Judged:
     clean: Model  # the baseline fitted without the faulty samples
 
 
-def judge(
-    c: Criticism, symptoms: tuple[Symptom, ...], whole: tuple[list[Session], list[Session]], given: Model | None, mass: float
-) -> Judged:
+def judge(c: Criticism, symptoms: tuple[Symptom, ...], whole: tuple[list[Session], list[Session]], given: Model | None) -> Judged:
     """Add the faults to `c` and compute all gains. `whole` are training and held-out sessions with every sample, in the order of `c.train`
     and `c.held`."""
     clean = c.baseline.model
     compared = [s for s in symptoms if set(s.channels) <= set(c.train[0].channels)]  # without faults of a force that drives the test
     compared = [s for s in compared if s.cause != "dead_taxel" or not _reads_nothing(s.channels[0], whole[0])]  # no share says as much
     if effects := [e for e in effects_of(compared) if e.cause in PREDICTS]:
-        c = _carrying(c, effects, whole, given, mass)
+        c = _carrying(c, effects, whole, given)
     tested = list(c.held or c.train)
     gains = tuple(_gain_of(c.extended.model, s, tested) for s in symptoms)
     return Judged(c, gains, _by_channel(c, whole, given is not None), clean)
 
 
-def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Session]], given: Model | None, mass: float) -> Criticism:
+def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Session]], given: Model | None) -> Criticism:
     """The criticism with `effects` of faults in its extended model, and a baseline fitted to all samples."""
-    start, model = given or replace(dispersion_start(whole[0], mass), effects=c.baseline.model.effects), c.extended.model
+    plain, model = c.baseline.model, c.extended.model
+    start = given or replace(dispersion_start(whole[0], plain.dispersion.m), effects=plain.effects)
     silent = {channel: 0.0 for channel in c.train[0].stuck if _reads_nothing(channel, whole[0])}
-    plain = [
+    both = [
         [
             replace(at_rest(without_parting(s, start.dispersion), model), skin=c.skin_before(own), stuck=silent)
             for s, own in zip(*pair, strict=True)
         ]
         for pair in zip(whole, (c.train, c.held), strict=True)
     ]
-    baseline = fit(start, plain[0], c.last.noise, 0 if given else ITERATIONS)
-    train, held = ([s.with_own_of(own) for s, own in zip(*pair, strict=True)] for pair in zip(plain, (c.train, c.held), strict=True))
+    baseline = fit(start, both[0], c.last.noise, 0 if given else ITERATIONS)
+    train, held = ([s.with_own_of(own) for s, own in zip(*pair, strict=True)] for pair in zip(both, (c.train, c.held), strict=True))
     model = with_effects(model, effects)
     for e in (e for e in effects if e.cause == "quantization"):
         model = _better(model.without(e), model, train)
