@@ -159,7 +159,7 @@ def test_an_assumed_mass_is_fitted_up_to_itself_and_held_again():
     noise = fit_whitener([residual(PLAIN, s) for s in sessions], sessions)
     assumed = replace(PLAIN, dispersion=replace(PLAIN.dispersion, m=4e-4))
     free = with_mass(fit(assumed, sessions, noise), sessions, noise)
-    assert heaviest_of(assumed, free) == 4e-4
+    assert heaviest_of(assumed, free.model) == 4e-4
     bounded = weighed(sessions, 4e-4)
     light = fit(assumed, bounded, noise)
     assert light.model.dispersion.m < 1e-4 and held_again(light, bounded, noise) is None

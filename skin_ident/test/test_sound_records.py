@@ -81,11 +81,11 @@ def test_a_declared_mass_stays_as_it_is_and_a_light_skin_is_not_weighed():
         assert not any("mass was fitted" in w for w in outcome.findings["warnings"])
 
 
-def tared(seed: int, mass: float) -> Recording:
+def tared(seed: int, mass: float, size: float = 0.04) -> Recording:
     """A mass between load cell and skin, whose weight was tared away: its inertia alone is felt, in the air too."""
     t, x = presses(seed, 60.0)
     rng, (sensed, dispersed, _) = np.random.default_rng([seed, 4]), branches(x)
-    force = sensed + dispersed + mass * np.gradient(np.gradient(x, t), t) + noise(rng, t.size, 0.04, 0.8)
+    force = sensed + dispersed + mass * np.gradient(np.gradient(x, t), t) + noise(rng, t.size, size, 0.8)
     said = Declared(moving_mass_kg=mass)
     return Recording(f"session_{seed}", t, x, force, (sensed + noise(rng, t.size, 0.03, 0.8))[None], declared=said)
 
@@ -111,6 +111,15 @@ def test_a_declared_mass_is_what_it_is_beside_a_threshold_of_the_taxel(recorded,
     outcome = diagnose([answering_late(1)], [answering_late(2)])
     assert [(f["cause"], f["where"]) for f in outcome.findings["findings"]] == [("dead_zone", "taxel")]
     assert (outcome.baseline.dispersion.m < 0.25 * mass) == (recorded is tared)
+
+
+def test_inertia_beyond_that_of_a_declared_mass_is_found_where_that_hangs():
+    """What hangs is known, so that it takes up nothing of what is hidden."""
+    sessions = [tared(seed, 0.8, 0.004) for seed in (1, 2)]
+    train, held = ([replace(r, declared=Declared(moving_mass_kg=0.03))] for r in sessions)
+    (found,) = diagnose(train, held).findings["findings"]
+    assert (found["cause"], found["where"]) == ("inertia", "rig")
+    assert found["parameters"]["mass"]["value"] == pytest.approx(0.77, rel=0.1)
 
 
 def tared_in_steps(seed: int, zero: float) -> Recording:

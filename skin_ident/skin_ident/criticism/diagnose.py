@@ -37,7 +37,7 @@ from skin_ident.criticism.search.criticise import criticise
 from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.search.state import Progress
 from skin_ident.criticism.search.twin_effects import with_effects_of
-from skin_ident.criticism.search.weighing import mass_warnings
+from skin_ident.criticism.search.weighing import mass_warnings, with_hung
 from skin_ident.criticism.sessions.parting import meeting
 from skin_ident.criticism.sessions.session import FITTED, KEPT, Session, longest, motion_under, with_reference
 from skin_ident.criticism.sessions.thinner import thinner, with_own_of_few
@@ -162,7 +162,7 @@ def _part(every: list, looked: Inspected, known: _Known, model: Model | None, pr
     declared = every[0].declared.moving_mass_kg is not None
     c = criticise(train, held, model, progress, mass, array_directions(layout, longest(train)), step, declared)
     c = _with_the_dead(c, looked)
-    looked = looked.weighed(c.train[0].heaviest)
+    looked = looked.weighed_as(c.train[0])
     set_to, weighs = mass if model is None else model.dispersion.m, c.extended.model.dispersion.m
     if weighs != set_to:
         every = warned_first(every, mass_warnings(weighs, set_to, declared))
@@ -234,8 +234,9 @@ def _outcome(
     kept, whole = {s.name for s in part.held}, part.looked.whole
     shown = with_effects(c.extended.model, [e for e in effects_of(symptoms) if e.cause in BESIDE])
     traces = tuple(_trace(c, shown, s, own, s.name in kept) for s, own in zip(whole, _with_courses(whole, c), strict=True))
-    carried = with_effects(_with_layout(model, array, first), effects_of(symptoms))
-    return Outcome(findings, c.baseline.model, carried, c.extended.std, traces, (), _rounds(c), dict(_batteries(part.experiments)))
+    carried = with_hung(with_effects(_with_layout(model, array, first), effects_of(symptoms)), c.train[0])
+    baseline, batteries = with_hung(c.baseline.model, c.train[0]), dict(_batteries(part.experiments))
+    return Outcome(findings, baseline, carried, c.extended.std, traces, (), _rounds(c), batteries)
 
 
 def _of_many(every: list, known: _Known, model: Model | None, progress: Progress) -> Outcome:
@@ -256,7 +257,7 @@ def _of_many(every: list, known: _Known, model: Model | None, progress: Progress
     findings = with_rest(findings, known.odd, rest, chosen, len(every[0].taxels))
     told = {(cause, renamed(where, chosen)) for cause, where in c.not_named} | {(u["cause"], u["where"]) for u in rest.untestable}
     outcome = _outcome(part, findings, array, extended, wide.train[0], (*known.odd, *seen), told)
-    baseline = model_of_all(c.baseline.model, chosen, rest.shares, (), layout)
+    baseline = with_hung(model_of_all(c.baseline.model, chosen, rest.shares, (), layout), c.train[0])
     said = {name: renamed(getattr(outcome, name), chosen) for name in ("std", "batteries")}
     traces = tuple(replace(t, channels=renamed(t.channels, chosen)) for t in outcome.traces)
     rounds = tuple(replace(r, ranked=renamed(r.ranked, chosen)) for r in outcome.rounds)

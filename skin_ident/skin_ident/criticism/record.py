@@ -12,7 +12,7 @@ from skin_ident.criticism.baseline.residual import damping, placed, simulated, s
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.sessions.cutoff import Common, common_to
 from skin_ident.criticism.sessions.parting import meeting
-from skin_ident.criticism.sessions.session import Session, prepare, weighed, with_lines
+from skin_ident.criticism.sessions.session import Session, hung, prepare, weighed, with_lines
 from skin_ident.criticism.sessions.thinner import thinner
 from skin_ident.criticism.telemetry.ceiling import find_ceilings
 from skin_ident.criticism.telemetry.clock import find_clock_faults
@@ -70,9 +70,10 @@ class Inspected:
 
         return replace(self, sessions=all_of(self.sessions), whole=all_of(self.whole))
 
-    def weighed(self, heaviest: float) -> "Inspected":
-        """The same with the mass as an unknown, up to `heaviest`, kg."""
-        return replace(self, sessions=weighed(self.sessions, heaviest), whole=weighed(self.whole, heaviest))
+    def weighed_as(self, other: Session) -> "Inspected":
+        """The same with the mass as in a session: as an unknown, or hanging on the load cell."""
+        sessions, whole = (weighed(hung(each, other.hung), other.heaviest) for each in (self.sessions, self.whole))
+        return replace(self, sessions=sessions, whole=whole)
 
 
 def inspect(recordings: list) -> Inspected:

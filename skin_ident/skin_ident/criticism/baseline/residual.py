@@ -57,8 +57,11 @@ def rows(response: Response, session: Session) -> np.ndarray:
 
 
 def _told(response: Response, session: Session) -> np.ndarray:
-    """The simulated channels of a session: with its own shares, and with what it has `beyond` the model (a twin, courses) added."""
+    """The simulated channels of a session: with its own shares, with the inertia of a mass that hangs on the load cell, and with what it
+    has `beyond` the model (a twin, courses) added."""
     y = rows(response, session)
+    if session.hung:
+        y[session.channels.index("force")] += session.hung * session.motion.a
     if has_own(session):
         y[session.taxel_rows] *= own_shares(y, session)[:, None]
     return y if session.beyond is None else session.beyond + y

@@ -31,6 +31,7 @@ from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.only_held import mean_square
 from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.state import Search
+from skin_ident.criticism.search.tared import untared, zero_held
 from skin_ident.criticism.sessions.session import FITTED, KEPT, Session
 from skin_ident.criticism.vocabulary import PARAMETERS
 from skin_models.model import Model
@@ -172,6 +173,9 @@ def settle_skin(search: Search) -> None:
     at need not be looked at again."""
     if not search.own_skin:
         return
+    if search.zeros_of_held and not any(s.skin for s in search.held):  # found beside the skin that all sessions shared
+        search.held = [_with_its_own(search, s) for s in untared(search)]
+        zero_held(search, {})
     for _ in range(TIMES):
         before, as_it_was, cost = _present_of_all(search), (search.train, search.held, search.present), _cost(search)
         if len(search.train) > 1:

@@ -28,7 +28,7 @@ from skin_ident.criticism.search.together import take_pair, two_at_once
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.search.unstuck import unstuck
 from skin_ident.criticism.search.wandering import take_wave
-from skin_ident.criticism.search.weighing import hung_mass, may_wait, other_mass, weigh, weighs
+from skin_ident.criticism.search.weighing import hang, hung_mass, may_wait, other_mass, weigh, weighs
 
 GOOD_PART = 0.25  # share of what refused causes explain, from which skin parameters go before two causes that hide each other
 PASSES = 40  # rounds at most; some name nothing and only mend the baseline, and searches settle long before
@@ -71,8 +71,11 @@ def _round(search: Search) -> bool:
     of_trials = max((t.score for t in trials), default=0.0)
     best = max([0.0, of_trials, *(r.score for r in runs)])
     hung = hung_mass(search, mass, best)
-    if hung or (mass and weighs(search, mass, best)):
-        weigh(search, hung or mass)
+    if hung:
+        hang(search, hung)
+        return True
+    if mass and weighs(search, mass, best):
+        weigh(search, mass)
         return True
     of_skin = explained_by_own_skin(search, best)
     look = _Look(last, trials, runs, best, of_skin, mass if mass and may_wait(search, mass) else None)

@@ -81,12 +81,18 @@ def _take(search: Search, train: list[Session], after: Fit, found: Zeros, shared
     """Take the training sessions with the zeros that were `found`, and the fit to them. Put into held-out sessions their own zeros, or
     those that all sessions share."""
     search.train, search.present = train, after
+    _said(search, found | zero_held(search, shared))
+
+
+def zero_held(search: Search, shared: Zeros) -> Zeros:
+    """Put zeros into the held-out sessions: those that all sessions have (`shared`), or else their own, as their tares leave them. Return
+    them."""
     held, model = search.held, search.present.model
-    others = shared or (zeros(model, held, search.noise, search.encoder_step, free=False)[0] if held else {})
-    more = added_by(others, model, held)
+    found = shared or (zeros(model, held, search.noise, search.encoder_step, free=False)[0] if held else {})
+    more = added_by(found, model, held)
     search.held = added(held, more)
     search.zeros_of_held |= {name: zero + search.zeros_of_held.get(name, 0.0) for name, zero in more.items()}
-    _said(search, found | others)
+    return found
 
 
 def untared(search: Search) -> list[Session]:

@@ -25,7 +25,7 @@ from skin_ident.criticism.gates.gate import MATERIAL_FALL, breadth_of
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.state import Search
-from skin_ident.criticism.sessions.session import Session, having_all, weighed
+from skin_ident.criticism.sessions.session import Session, having_all, hung, weighed
 from skin_models.effects.inertia import Inertia
 from skin_models.model import Model
 from skin_models.signals import GRAVITY
@@ -60,12 +60,9 @@ def weighs_as_skin(given: Model) -> bool:
     return 0.0 < given.dispersion.m < OF_SKIN
 
 
-def heaviest_of(present: Model, found: Fit) -> float:
-    """The mass up to which it is to be fitted, kg: one that came out lighter than what was set does not become heavier than that. 0 where
-    it was not fitted, since it hangs."""
-    if not any(u.label == "m" for u in found.unknowns):
-        return 0.0
-    return present.dispersion.m if lighter(present, found.model) else np.inf
+def heaviest_of(present: Model, free: Model) -> float:
+    """The mass up to which it is to be fitted, kg: one that came out lighter than what was set does not become heavier than that."""
+    return present.dispersion.m if lighter(present, free) else np.inf
 
 
 def held_again(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | None:
@@ -82,13 +79,14 @@ def hung_mass(search: Search, free: Fit | None, best: float) -> Fit | None:
     which must account for the missing weight as well: whatever bends does that, and then the right cause is not seen. None where the
     `free` mass is no lighter."""
     present, m = search.present, search.present.model.dispersion.m
-    if free is None or not search.declared or not hanging(present.model, free.model):
+    if free is None or not search.declared or m < OF_SKIN or not lighter(present.model, free.model):
         return None
+    sessions = hung(search.train, m)
     weightless = replace(present.model, dispersion=replace(present.model.dispersion, m=0.0))
-    hung = fit(weightless.extended(Inertia("rig", mass=m)), search.train, search.noise)
-    ahead = search.ahead(hung)
+    ahead = search.ahead(fit(weightless, sessions, search.noise))
+    ahead.train = sessions
     beside = max((t.score for t in ahead.trials(ahead.survey())), default=0.0)
-    return hung if hung.score_over(present) + beside > reach(best) else None
+    return ahead.present if ahead.present.score_over(present) + beside > reach(best) else None
 
 
 def weighs(search: Search, free: Fit, best: float) -> bool:
@@ -131,23 +129,36 @@ def settles(search: Search, free: Fit, best: float) -> bool:
     if free.score_over(search.present) <= best:
         return False
     ahead = search.ahead(free)
-    ahead.train = weighed(search.train, heaviest_of(search.present.model, free))
+    ahead.train = weighed(search.train, heaviest_of(search.present.model, free.model))
     return ahead.look().ranked[0].score < search.least(free.count)
 
 
-def weigh(search: Search, found: Fit) -> None:
-    """Take the fit with another mass, which is fitted from now on unless it hangs. What has been named without it must be found again,
-    unless the mass is no more than what was assumed of the skin's own."""
+def weigh(search: Search, free: Fit) -> None:
+    """Take the fit with another mass, which is fitted from now on. What has been named without it must be found again, unless the mass is
+    no more than what was assumed of the skin's own."""
+    before = search.present.model
+    heaviest, kept = heaviest_of(before, free.model), lighter(before, free.model) and not search.declared
+    search.hanging = hanging(before, free.model)
+    model = free.model if kept else replace(free.model, effects=search.hanging)
+    _take(search, model, *(weighed(sessions, heaviest) for sessions in (search.train, search.held)), kept)
+
+
+def hang(search: Search, found: Fit) -> None:
+    """Take the fit with the declared mass hanging on the load cell, where it stays as it was declared. What has been named without that
+    must be found again."""
+    m = search.present.model.dispersion.m
+    _take(search, replace(found.model, effects=()), *(hung(sessions, m) for sessions in (search.train, search.held)), False)
+
+
+def _take(search: Search, model: Model, train: list[Session], held: list[Session], kept: bool) -> None:
+    """Take a model of another mass, with the sessions that it is fitted to and tested with; whether what was named is `kept`."""
     search.progress("fitting the mass, too")
-    before, noise = search.present.model, search.noise
-    heaviest, kept = heaviest_of(before, found), lighter(before, found.model) and not search.declared
-    search.train, search.held = weighed(search.train, heaviest), weighed(search.held, heaviest)
-    search.hanging = hanging(before, found.model) or search.hanging
-    search.present = fit(found.model if kept else replace(found.model, effects=search.hanging), search.train, noise)
+    search.train, search.held = train, held
+    search.present = fit(model, train, search.noise)
     # The noise with the other mass was that of a wrong model.
-    search.present = fit(search.present.model, search.train, search.survey().noise)
+    search.present = fit(search.present.model, train, search.survey().noise)
     if not kept:
-        search.train, search.held = having_all(search.train), having_all(search.held)
+        search.train, search.held = having_all(train), having_all(held)
         search.named, search.befores, search.wandering = [n for n in search.named if n.courses], {}, 0.0
     search.go_on()
 
@@ -170,6 +181,11 @@ def hanging(before: Model, after: Model) -> tuple[Inertia, ...]:
     return (Inertia("rig", mass=m),) if before.dispersion.m >= OF_SKIN and lighter(before, after) else ()
 
 
+def with_hung(model: Model, session: Session) -> Model:
+    """The model as it is written down: with the inertia of a mass that hangs on the load cell, where the session has one."""
+    return model.extended(Inertia("rig", mass=session.hung)) if session.hung else model
+
+
 def lighter(before: Model, after: Model) -> bool:
     """Whether the fitted mass is so much smaller that the mass that was set does not lean on the skin."""
     return after.dispersion.m < LIGHTER * before.dispersion.m
@@ -179,7 +195,13 @@ def mass_warnings(mass: float, before: float, declared: bool) -> Iterator[str]:
     """A warning that the mass was fitted, where it had been set to that of the skin, or as `declared`. None where skin is lighter than was
     assumed: that the load cell reads no weight of millinewtons in contact is common, for one after a tare, and no fault."""
     force = abs(mass - before) * GRAVITY
-    if declared and mass < before and before >= OF_SKIN:
+    if declared and mass == 0.0 and before >= OF_SKIN:
+        yield (
+            f"the declared mass ({before:.3g} kg) is taken to hang on a load cell that was tared with it, and to be felt by its inertia "
+            f"alone: resting on the skin, its weight would take {force:.3g} N from the load cell while the plunger touches, and the record "
+            "shows nothing of that"
+        )
+    elif declared and mass < before and before >= OF_SKIN:
         yield (
             f"the model's mass was fitted, {mass:.3g} kg: with the declared one ({before:.3g} kg) resting on the skin the record cannot be "
             f"explained, since its weight would take {force:.3g} N from the load cell while the plunger touches. It is taken to hang on a "

@@ -48,6 +48,7 @@ class Session:
     stuck: Mapping[str, float] = field(default_factory=dict)  # N, constant readings of channels that respond to nothing
     clipped: frozenset[str] = frozenset()  # channels whose record itself shows a ceiling
     heaviest: float = 0.0  # kg, upper bound of the model's mass, which is fitted, too; 0: the mass is held (see `search.weighing`)
+    hung: float = 0.0  # kg, a mass that hangs on the load cell, whose inertia it feels while a tare took the weight away
     skin: Mapping[str, float] = field(default_factory=dict)  # factors on k1, b1, k2, b2 in this session (see `search.own_skin`)
     lacks: frozenset[Key] = frozenset()  # causes of the model, with places, that this session does not have (see `search.partly`)
     pinned: bool = False  # whether the shares are as `spread` says, and not fitted in each session (see `own_shares`)
@@ -81,9 +82,10 @@ class Session:
         return load_of(replace(self.band, seen=None).thin(self.bridged), np.interp(self.t, self.motion.t, self.motion.x), self.band.spacing)
 
     def with_own_of(self, other: "Session") -> "Session":
-        """The session with what was found to be particular to `other`, which has the same samples: its part beyond the model, its shares,
-        its skin, and the causes that it lacks."""
-        return replace(self, beyond=other.beyond, spread=other.spread, reference=other.reference, skin=other.skin, lacks=other.lacks)
+        """The session with what was found to be particular to `other`, which has the same samples: its part beyond the model, a mass that
+        hangs, its shares, its skin, and the causes that it lacks."""
+        shares = {"spread": other.spread, "reference": other.reference}
+        return replace(self, beyond=other.beyond, hung=other.hung, skin=other.skin, lacks=other.lacks, **shares)
 
 
 def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) -> Session:
@@ -129,6 +131,11 @@ def with_reference(sessions: list[Session]) -> list[Session]:
 def weighed(sessions: list[Session], heaviest: float = np.inf) -> list[Session]:
     """The sessions with the mass among their model's unknowns, at most `heaviest`, kg; with 0 it is held."""
     return [replace(s, heaviest=heaviest) for s in sessions]
+
+
+def hung(sessions: list[Session], mass: float) -> list[Session]:
+    """The sessions with a mass, kg, that hangs on the load cell and is known."""
+    return [replace(s, heaviest=0.0, hung=mass) for s in sessions]
 
 
 def having_all(sessions: list[Session]) -> list[Session]:
