@@ -28,7 +28,7 @@ def diagnosed(folder, hide, seed, having, held, count):
 @pytest.mark.parametrize(("hide", "seed"), rows(HIDDEN, 1), ids=lambda h: getattr(h, "cause", ""))
 @pytest.mark.parametrize(
     ("having", "held", "count"),
-    rows([(2, 2, 4), (3, 2, 4), (5, 1, 6)], 1),
+    rows([(2, 2, 4), (3, 2, 4), (5, 1, 6)], 0),
     ids=["no held-out session has it", "one of two has it", "only the last day lacks it"],
 )
 def test_what_held_out_sessions_lack_is_named_with_those_that_have_it(tmp_path, hide, seed, having, held, count):
@@ -38,6 +38,7 @@ def test_what_held_out_sessions_lack_is_named_with_those_that_have_it(tmp_path, 
     assert (found["evidence"]["only_in"], found["evidence"]["not_in"]) == (names[:having], names[having:])
 
 
+@pytest.mark.slow
 def test_what_only_fitted_sessions_support_is_in_doubt(tmp_path):
     """So little play changes next to nothing of the plain model, so that a session without it cannot confirm it."""
     findings, _ = diagnosed(tmp_path, Hide("backlash", "rig", "play", 0.5), 40, 2, 1, 3)
@@ -51,7 +52,7 @@ MOVED = [("stress_relaxation", "power_law", "single_rate_triangles", 1.0), ("lag
          ("lag", "two_pole", "single_sine", 3.0), ("lag", "two_pole", "single_rate_triangles", 3.0)]  # fmt: skip
 
 
-@pytest.mark.parametrize(("cause", "form", "protocol", "size"), rows(MOVED, 1))
+@pytest.mark.parametrize(("cause", "form", "protocol", "size"), rows(MOVED, 0))
 def test_what_an_imperfect_form_does_not_predict_of_other_motions_is_not_absent_there(tmp_path, cause, form, protocol, size):
     hide, seed = Hide(cause, {"lag": "taxel"}.get(cause, "skin"), form, size), {"lag": 506}.get(cause, 501)
     same = {"seed": seed, "n_sessions": 3, "noise": "white"}

@@ -17,6 +17,7 @@ ALONG = ((0, 0), (4, 0), (-4, 0))
 SHORT = {"protocol": "pyramid", "noise": "white", "thickness_mm": 4, "layout": "row_5mm"}
 
 
+@pytest.mark.slow
 def test_a_contact_that_leans_with_depth_is_off_centre_and_no_saturation(tmp_path):
     findings = found(record(tmp_path, "off_centre", "lean", seed=0, layout="row_5mm", noise="white"))
     assert names(findings) == [("off_centre", "rig")]

@@ -30,7 +30,7 @@ HOW = {"noise": "white", "thickness_mm": 4, "layout": "row_5mm"}
             ("nonlinear_stiffness", None, "skin"),
             ("backlash", None, "rig"),
         ],
-        quick=1,
+        quick=0,
     ),
 )
 def test_a_cause_is_named_at_its_place_and_alone(tmp_path, cause, form, where):

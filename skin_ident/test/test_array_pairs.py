@@ -106,6 +106,7 @@ def test_both_are_told_with_their_gains_and_the_written_model_has_both(tmp_path)
     assert np.allclose(again, trace.extended[1:], atol=1e-3 * np.abs(trace.extended).max())
 
 
+@pytest.mark.slow
 def test_what_may_be_there_beside_the_named_one_is_in_doubt_and_not_excluded(tmp_path):
     """Calibrations of which nothing is declared may be off by 3 %: a gain of 6 % beside an oval spread is not sure."""
     findings = found(record_at(tmp_path, AROUND, *GAIN, seed=1, taxels=4, also=[(Spread("oval"), 0.2)], **SHORT))

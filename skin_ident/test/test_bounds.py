@@ -117,6 +117,7 @@ def test_what_a_converter_may_do_itself_is_not_called_tested(tmp_path):
     assert not any(e["cause"] == "nonlinear_stiffness" for e in said["excluded"])
 
 
+@pytest.mark.slow
 def test_what_is_the_same_as_what_a_converter_may_do_is_left_open_too(tmp_path):
     """The skin swallows a little of what it hands on: so do its taxels, where there is one, and its converter may do as much."""
     sessions, _ = make_sessions([Hide("dead_zone", "skin", "gap", 0.5)], seed=907200330, n_taxels=1, protocol="full")

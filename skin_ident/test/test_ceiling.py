@@ -73,7 +73,7 @@ def test_it_is_named_once_beside_what_else_is_hidden(tmp_path):
     assert found.names.count(("saturation", "load_cell")) == 1 and not found.extra
 
 
-@pytest.mark.parametrize(("where", "seed"), rows([("taxel_0", 202), ("load_cell", 200), ("load_cell", 202), ("taxel_0", 203)], 1))
+@pytest.mark.parametrize(("where", "seed"), rows([("taxel_0", 202), ("load_cell", 200), ("load_cell", 202), ("taxel_0", 203)], 0))
 def test_a_knee_as_amplifiers_have_it_is_one_soft_saturation_and_no_set_of_corners(tmp_path, where, seed):
     sessions, _ = make_sessions([Hide("saturation", where, "soft", 3.0)], seed=seed, protocol="full", n_sessions=3, noise="white")
     write_case(sessions, tmp_path)

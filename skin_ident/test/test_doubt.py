@@ -1,6 +1,7 @@
 """What training speaks for and other data leave in doubt is said: it is no finding, and it is not called excluded."""
 
 import pytest
+from rows import rows
 from world import make_sessions, write_case
 from world.hidden import Hide
 
@@ -13,7 +14,7 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize(("hide", "seed", "taxels", "cause", "words"), CASES, ids=[c[3] for c in CASES])
+@pytest.mark.parametrize(("hide", "seed", "taxels", "cause", "words"), rows(CASES, 1), ids=[c[3] for c in CASES])
 def test_doubt_is_said_and_excludes_nothing_there(tmp_path, hide, seed, taxels, cause, words):
     sessions, truth = make_sessions([hide], seed=seed, n_taxels=taxels, protocol="full", encoder_step_um=1.0)
     write_case(sessions, tmp_path)

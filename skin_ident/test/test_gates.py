@@ -72,6 +72,7 @@ def test_a_quarter_of_the_noise_is_enough_whitened_or_plain():
     assert replace(little, relative=0.05, after=0.019).passed
 
 
+@pytest.mark.slow
 def test_a_quick_effect_under_slow_noise_is_named(tmp_path):
     """Slow noise makes the plain error large, which then falls by little; the likelihood gains much."""
     assert seek(tmp_path, "backlash", where="rig", form="several", size=0.5, seed=1827596594, protocol="full").right

@@ -52,6 +52,7 @@ def test_undetected_bursts_do_a_third_of_the_harm(loss):
     assert np.all(np.abs(robust) < 4.5 * std)
 
 
+@pytest.mark.slow
 def test_spikes_to_one_side_leave_no_offset_with_cauchy():
     off, std, _ = errors(range(12), CAUCHY, one_sided=True)
     assert np.all(np.abs(off.mean(axis=0)) < std.mean(axis=0))

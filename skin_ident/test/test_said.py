@@ -36,6 +36,7 @@ def test_every_course_has_its_numbers(carrier, shape, unit, sign, moments):
     assert isinstance(said, str) and json.loads(json.dumps(said)) == said
 
 
+@pytest.mark.slow
 def test_a_finding_of_each_session_has_the_numbers_that_it_speaks_of():
     zeros = (0.0, 0.3, -0.2)
 

@@ -62,7 +62,7 @@ def test_skin_of_another_specimen_is_named_with_its_numbers(tmp_path, seed, fitt
     assert [(f["cause"], f["where"]) for f in findings["findings"]] == [("parameters", "skin")] and findings["verdict"] == "explained"
 
 
-@pytest.mark.parametrize("seed", rows([20, 15, 16], 1))
+@pytest.mark.parametrize("seed", rows([20, 15, 16], 0))
 def test_nor_is_it_a_gain_or_a_zero_of_depth_where_no_taxel_tells(tmp_path, seed):
     sessions, _ = make_sessions([], seed=seed, protocol="full", between=0.01, n_sessions=6)
     write_case([without(s, "taxels") for s in sessions], tmp_path)
@@ -73,7 +73,7 @@ def test_nor_is_it_a_gain_or_a_zero_of_depth_where_no_taxel_tells(tmp_path, seed
     assert by_hardware and by_hardware <= {"gain_error", "position_offset", "parameters"}
 
 
-@pytest.mark.parametrize("seed", rows([43, 41, 42], 1))
+@pytest.mark.parametrize("seed", rows([43, 41, 42], 0))
 def test_a_gain_that_may_as_well_be_skin_is_not_ruled_out(tmp_path, seed):
     sessions, _ = make_sessions([], seed=seed, protocol="full", noise="white", between=0.01, n_sessions=6)
     weaker = [replace(s, taxels=0.975 * s.taxels) for s in sessions[3:]]
@@ -93,7 +93,7 @@ def test_what_zeros_do_in_its_place_is_no_finding_and_the_search_goes_on(tmp_pat
     assert diagnose(train, held).findings["verdict"] != "nothing_wrong"
 
 
-@pytest.mark.parametrize("seed", rows([31, 33, 34, 35], 2))
+@pytest.mark.parametrize("seed", rows([31, 33, 34, 35], 1))
 def test_zeros_of_depth_as_stages_have_them_are_no_other_skin(tmp_path, seed):
     """A zero bends a force as numbers of its own would: it is one number of a session, and they are four."""
     sessions, _ = make_sessions([], seed=seed, protocol="full", noise="white", n_taxels=2)
@@ -104,7 +104,7 @@ def test_zeros_of_depth_as_stages_have_them_are_no_other_skin(tmp_path, seed):
     assert "parameters" not in {u["cause"] for u in findings["untestable"] if u.get("hardware")}
 
 
-@pytest.mark.parametrize("seed", rows([5, 7], 1))
+@pytest.mark.parametrize("seed", rows([5, 7], 0))
 def test_skin_that_differs_by_more_than_specimens_do_is_a_finding_with_the_numbers_of_each_session(tmp_path, seed):
     sessions, _ = make_sessions([], seed=seed, protocol="full", between=0.06, n_sessions=4)
     write_case(sessions, tmp_path)
@@ -135,7 +135,7 @@ def test_where_taxels_have_shares_of_a_sessions_own_the_load_cell_alone_shows_an
     assert own_skin._off(PLAIN, session) == pytest.approx(off, abs=1e-9)
 
 
-@pytest.mark.parametrize("seed", rows([1, 3], 1))
+@pytest.mark.parametrize("seed", rows([1, 3], 0))
 def test_relaxation_is_found_beside_skin_that_differs_and_nothing_else_with_it(tmp_path, seed):
     """Softening until some day, or zeros of depth, would explain part of such skin, and hide the relaxation."""
     hide = Hide("stress_relaxation", "skin", "prony2", 1.0)

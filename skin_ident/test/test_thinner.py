@@ -69,7 +69,7 @@ def test_a_fast_record_with_nothing_wrong_says_so(seed, tmp_path):
     assert seek(tmp_path, None, seed=500 + seed, rate=500.0).findings["verdict"] == "nothing_wrong"
 
 
-@pytest.mark.parametrize("cause, where", rows([("lag", "taxel"), ("stress_relaxation", "skin"), ("backlash", "rig")], 1))
+@pytest.mark.parametrize("cause, where", rows([("lag", "taxel"), ("stress_relaxation", "skin"), ("backlash", "rig")], 0))
 def test_what_is_wrong_in_a_fast_record_is_found(cause, where, tmp_path):
     found = seek(tmp_path, cause, where=where, size=2.0, seed=510, rate=500.0)
     assert found.right and not found.extra

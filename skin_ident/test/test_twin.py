@@ -148,6 +148,7 @@ def test_clipped_samples_stay_for_the_judgement_of_what_they_are_worth():
         assert np.array_equal(left.weight, before.weight) and searched.weight.mean() < left.weight.mean()
 
 
+@pytest.mark.slow
 def test_the_command(tmp_path, capsys):
     write_recordings(MEASURED[:2], tmp_path / "measured")
     write_recordings(TWINS[:2], tmp_path / "twin")

@@ -113,6 +113,7 @@ def test_the_terminal_says_in_which_sessions_most_is_left():
     assert "of the force is from day4 on: 2.3 times" in said["unexplained"] and "day4" not in said["nothing_wrong"]
 
 
+@pytest.mark.slow
 def test_in_turn_the_plain_model_does_no_worse_than_where_it_was_fitted(tmp_path):
     """Its error is systematic, and no noise that wanders: fitted as if it were, it would be twice as large in other sessions."""
     made, _ = make_sessions([Hide("nonlinear_stiffness", "skin", "fung", 12.0)], seed=5, n_taxels=1, protocol="full", noise="white")

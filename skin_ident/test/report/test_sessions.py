@@ -130,6 +130,7 @@ def test_most_is_left_in_some_sessions_only_where_clearly_more_is():
     assert names == ["b", "d"] and times == pytest.approx(3.54, abs=0.01)
 
 
+@pytest.mark.slow
 def test_taxels_that_read_more_on_one_day_are_seen_in_what_it_says_by_itself():
     made = [session(i, lambda y, rng, i=i: y * (1.03 if i == 2 else 1.0)) for i in range(5)]
     told_ = {r["name"]: r for r in diagnose(made[:4], made[4:]).findings["recordings"]}
