@@ -13,7 +13,7 @@ from skin_ident.criticism.array.bending import Leaning, Settling, SettlingReachi
 from skin_ident.criticism.array.evidence import fitted
 from skin_ident.criticism.array.extending import NO_FORM, NOT_JUDGED, TOO_LARGE, known, unwritten
 from skin_ident.criticism.array.family import Family
-from skin_ident.criticism.array.findings import POSSIBLE, excluded, parameters, untestable
+from skin_ident.criticism.array.findings import POSSIBLE, excluded, form_of, parameters, untestable
 from skin_ident.criticism.array.gains import Gains
 from skin_ident.criticism.array.hypotheses import Hypothesis
 from skin_ident.criticism.array.joining import joined
@@ -104,6 +104,20 @@ def test_a_shift_is_told_from_a_wrong_calibration_on_fine_arrays_and_coarse(scal
     assert verdict.named and verdict.named.key == ("off_centre", "rig") and not verdict.rivals
     shift = sum(verdict.named.fit.member[f"shift_{a}"] * axis for a, axis in enumerate(layout.axes))
     assert shift == pytest.approx(off, abs=0.3 * np.linalg.norm(off))
+
+
+@pytest.mark.parametrize("back", [False, True])
+def test_what_one_reading_leaves_in_the_next_is_crosstalk_and_no_other_place(back):
+    """A hundredth of the taxel that was read before it, or after it, as a multiplexer that does not settle leaves it."""
+    contacts = np.array([[1e-3, 0.0], [8e-3, 0.0], [11e-3, 0.0]])
+    skin, layout = array(4, 0, contacts)
+    shares = np.array([skin.shares(q) for q in contacts])
+    heard = np.zeros_like(shares)
+    heard[:, slice(None, -1) if back else slice(1, None)] = shares[:, slice(1, None) if back else slice(None, -1)]
+    verdict = judge(replace(layout, gain_std=0.01), measured(shares + 0.015 * heard, 7))
+    assert verdict.named.key == ("crosstalk", "taxel") and form_of(verdict.named) == ("next" if back else "previous")
+    assert ("after its own" if back else "before its own") in why(verdict.named, layout)
+    assert ("off_centre", "rig") not in {j.key for j in verdict.rivals}
 
 
 @pytest.mark.parametrize("held", [(0.5e-3, 3.5e-3), (-1.3e-3, -3e-3)])

@@ -13,7 +13,8 @@ from skin_ident.criticism.gates.another_skin import changes, of_the_skin, solved
 from skin_ident.criticism.gates.gate import by_block, gain_of_residuals, held_out_gain, refitted
 from skin_ident.criticism.gates.second_opinion import all_in_turn, at_any_scale, halves_in_turn
 from skin_ident.criticism.noise.whitening import fit_whitener, stack
-from skin_ident.criticism.search.own import own_course
+from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.own import drop_gain, own_course, take_course
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import survey
@@ -180,6 +181,21 @@ def test_a_zero_of_each_session_explains_more_than_wandering_noise_may():
     assert told is not None and told[1].cause == "force_offset" and told[1].explained > search.least(search.present.count)
     search.least = lambda count: told[1].explained + 1.0
     assert own_course(search, run, [run], []) is None
+
+
+@pytest.mark.parametrize(("zeros", "gains"), [((0.0, 0.012, -0.012), (1.0, 1.0, 1.0)), ((0.0, 0.0, 0.0), (1.0, 1.02, 0.98))])
+def test_a_gain_that_zeros_explain_is_taken_out_once_they_are_known(zeros, gains):
+    """Zeros within a step of the converter, in N, look like gains as long as nobody asks for them. Gains remain."""
+    made = [recorded(PLAIN, zero=zero, step=0.02, seed=k) for k, zero in enumerate(zeros)]
+    train = [replace(prepare(replace(r, force=g * r.force)), name=f"s{k}") for k, (r, g) in enumerate(zip(made, gains, strict=True))]
+    search = Search(train, [], directions(train[0]), lambda stage: None)
+    search.present = fit(PLAIN, train, fit_whitener([residual(PLAIN, s) for s in train], train))
+    search.look()
+    gain = next(r for r in search.own_courses() if r.course.key == ("gain_error", "load_cell"))
+    take_course(search, gain, Named(*gain.course.key, None, gain.score, (), courses=gain.said))
+    assert not drop_gain(search)  # nobody has asked for zeros
+    search.zeroed = 0
+    assert drop_gain(search) == any(zeros) and len(search.named) == len(search.runs) == (not any(zeros))
 
 
 def test_of_what_the_others_do_not_feel_a_fit_to_them_knows_nothing():

@@ -1,6 +1,7 @@
 """The family of static shares considered here. Its plainest member is the thesis's Gaussian under the declared contact.
 
-    share[s, i] = e^(level + scale[s]) (y[i] + leak sum over the taxels k beside i of y[k] + common mean(y) + repeat[i, j] y[j]),
+    share[s, i] = e^(level + scale[s]) (y[i] + leak sum over the taxels k beside i of y[k] + common mean(y)
+                                        + previous y[i - 1] + next y[i + 1] + repeat[i, j] y[j]),
     y[i] = (1 + gain[i]) [(1 - tail) exp(-u^(power / 2)) + tail (1 + u)^(-fall)],        u = r^2 / width^2
 
 (fall = 1.5: pressure in an elastic half space; K. L. Johnson, Contact Mechanics, 1985, ch. 3), with r the distance from the contact of
@@ -22,6 +23,7 @@ from skin_ident.criticism.array.layout import Layout
 from skin_models.spread.footprint import Places
 
 HALF_SPACE = 1.5
+IN_ORDER = ("previous", "next")  # shares of the taxel that is read just before, or just after, in the order of their numbers
 NEAR = 1e-18  # m^2, lower bound of r^2, so that any power can be taken of it
 
 
@@ -38,7 +40,7 @@ class Family:
         scales = tuple(f"scale_{s}" for s in range(len(layout.contacts)))
         shifts = tuple(f"shift_{a}" for a in range(len(layout.axes)))
         gains = tuple(f"gain_{i}" for i in range(len(layout.taxels)))
-        return ("level", *scales, *shifts, "axis", *gains, "leak", "common", "width", "power", "tail", "fall", "ratio", "turn")
+        return ("level", *scales, *shifts, "axis", *gains, "leak", "common", *IN_ORDER, "width", "power", "tail", "fall", "ratio", "turn")
 
     def shares(self, p: dict[str, float]) -> np.ndarray:
         """Shares (S, T) of a member, given by its non-zero entries. `width` is the logarithm of true over declared width, `power` is added
@@ -60,6 +62,8 @@ class Family:
             felt += leak * own @ self._beside
         if common := p.get("common", 0.0):
             felt += common * own.mean(axis=1, keepdims=True)
+        felt[:, 1:] += p.get("previous", 0.0) * own[:, :-1]
+        felt[:, :-1] += p.get("next", 0.0) * own[:, 1:]
         for name in filter(is_repeat, p):
             i, j = map(int, name.split("_")[1:])
             felt[:, i] += p[name] * own[:, j]

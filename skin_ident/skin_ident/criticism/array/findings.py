@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from skin_ident.criticism.array.analysis import ArrayCriticism
-from skin_ident.criticism.array.family import Family, is_repeat
+from skin_ident.criticism.array.family import IN_ORDER, Family, is_repeat
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.sentences import SCAN, farthest, separating, shift_of, why
@@ -77,7 +77,7 @@ def form_of(j: Judged) -> str:
     forms = {"leak": "neighbours", "common": "common", "power": "generalised_gaussian", "tail": "tails"}
     if "axis" in j.hypothesis.free:
         return "turned"
-    return "one" if is_repeat(name) else forms.get(name, "static")
+    return "one" if is_repeat(name) else name if name in IN_ORDER else forms.get(name, "static")
 
 
 def parameters(j: Judged, layout: Layout) -> dict[str, dict[str, Any]]:

@@ -11,6 +11,7 @@ from itertools import product
 
 import numpy as np
 
+from skin_ident.criticism.array.family import IN_ORDER
 from skin_ident.criticism.array.layout import MEASURED_AT, Layout
 from skin_ident.criticism.vocabulary import Key
 
@@ -79,6 +80,7 @@ def hypotheses(layout: Layout, suspects: list[int], repeats: list[str]) -> tuple
     listed = [Hypothesis("off_centre", "rig", 0.15, shifts)]
     listed += [Hypothesis("gain_error", f"taxel_{i}", 0.15 / n, {f"gain_{i}": GAIN}) for i in suspects]
     listed += [Hypothesis("crosstalk", "taxel", 0.05, {"leak": LEAK}), Hypothesis("crosstalk", "taxel", 0.05, {"common": COMMON})]
+    listed += [Hypothesis("crosstalk", "taxel", 0.02, {name: LEAK}) for name in IN_ORDER]
     listed += [Hypothesis("crosstalk", f"taxel_{r.split('_')[1]}", 0.1 / (n * (n - 1)), {r: REPEAT}) for r in repeats]
     listed += [Hypothesis("spread_shape", "skin", 0.015, free) for free in ({"power": POWER}, {"tail": TAIL, "fall": FALL})]
     if layout.width_declared:

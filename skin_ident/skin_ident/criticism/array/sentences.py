@@ -73,7 +73,8 @@ def _repeated(name: str, p: dict[str, float]) -> str:
     if is_repeat(name):
         _, hearing, heard = name.split("_")
         return f"taxel_{hearing} repeats {p[name]:.1%} of taxel_{heard}"
-    return f"every taxel repeats {p[name]:.1%} {'of its neighbours' if name == 'leak' else 'of the mean of all'}"
+    of = {"leak": "its neighbours", "common": "the mean of all", "previous": "the one with the number before its own"}
+    return f"every taxel repeats {p[name]:.1%} of {of.get(name, 'the one with the number after its own')}"
 
 
 def changing(e: Effect) -> str:

@@ -24,8 +24,8 @@ def least_depth(encoder_step: float) -> float:
 @dataclass(frozen=True)
 class Run:
     """A course fitted to sessions: its `score` (gain less `charge`), the `charge` for amplitudes and moments, its `largest` amplitude, its
-    `values` (C, N) N and words `said` by session, the sampling `period`, s, the `tare` where it is a constant zero, and by session the
-    `moments` of its steps, s, and their `amplitudes`."""
+    `values` (C, N) N and words `said` by session, the sampling `period`, s, the `tare` where it is a constant zero, by session the
+    `moments` of its steps, s, and their `amplitudes`, and the values `of_held` sessions once it is taken."""
 
     course: Course
     score: float
@@ -37,6 +37,7 @@ class Run:
     tare: Tare | None = None
     moments: Moments = field(default_factory=dict)
     amplitudes: dict[str, np.ndarray] = field(default_factory=dict)
+    of_held: dict[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def size(self) -> float:

@@ -18,7 +18,7 @@ from skin_ident.criticism.search.hardware import tare_does
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, own_rivals, reach
 from skin_ident.criticism.search.state import Search
-from skin_ident.criticism.search.tared import untared
+from skin_ident.criticism.search.tared import take_zeros, untared
 from skin_ident.criticism.search.trial import Trial
 from skin_models.model import Model
 
@@ -99,7 +99,6 @@ def take_course(search: Search, run: Run, finding: Named) -> None:
     was found in noise that held it as well, and its moments may be off. So it is fitted once more in the noise that is left with it, there
     and in held-out sessions."""
     run, finding = _in_place_of_drift(search, run, finding)
-    search.runs.append(run)
     train = added(search.train, run.values)
     model = fit(search.present.model, train, search.noise).model
     noise = noise_of(model, train, search.noise.growth)
@@ -111,12 +110,38 @@ def take_course(search: Search, run: Run, finding: Named) -> None:
     held = untared(search)
     free = left_open(search.present.model, train, held, noise)
     other = fitted(run.course, search.present.model, held, noise, free) if held else None
-    search.train, search.held = train, added(held, other.values) if other else held
+    run = replace(run, of_held=other.values if other else {})
+    search.runs.append(run)
+    search.train, search.held = train, added(held, run.of_held) if other else held
     if run.of_the_tare and (other is None or other.of_the_tare):
         search.tared[run.course.key] = tare_does(run.largest, run.tare)
         return
     search.named.append(replace(finding, courses={**run.said, **(other.said if other else {})}))
     search.progress(f"named {finding.cause} in the {finding.where}")
+
+
+def drop_gain(search: Search) -> bool:
+    """Take out a gain of single sessions that was named before zeros as tares leave them were taken, where these explain as much in its
+    place: a channel whose zero is off reads a wrong share of the force. Return whether one was taken out."""
+    gains = [r for r in search.runs if r.course.carrier == SLOPE and r is not search.alone]
+    return search.zeroed is not None and any(_dropped(search, run) for run in gains)
+
+
+def _dropped(search: Search, run: Run) -> bool:
+    ahead = search.ahead(search.present)
+    ahead.train, ahead.held = (
+        added(sessions, {name: -v for name, v in values.items()})
+        for sessions, values in ((search.train, run.values), (search.held, run.of_held))
+    )
+    ahead.present, ahead.zeroed = fit(search.present.model, ahead.train, search.noise), None
+    take_zeros(ahead)
+    if ahead.present.cost - search.present.cost > SEARCHED * search.least(search.present.count):
+        return False
+    search.train, search.held, search.present = ahead.train, ahead.held, ahead.present
+    search.tared, search.zeros_of_held = ahead.tared, ahead.zeros_of_held
+    search.runs = [r for r in search.runs if r is not run]
+    search.named = [n for n in search.named if n.key != run.course.key]
+    return True
 
 
 def _in_place_of_drift(search: Search, run: Run, finding: Named) -> tuple[Run, Named]:
