@@ -128,6 +128,7 @@ def drop_gain(search: Search) -> bool:
 
 
 def _dropped(search: Search, run: Run) -> bool:
+    """Whether a gain was taken out, since without it, but with zeros, next to nothing more is left."""
     ahead = search.ahead(search.present)
     ahead.train, ahead.held = (
         added(sessions, {name: -v for name, v in values.items()})

@@ -9,10 +9,10 @@ of record would be misread with the mass that was set:
 - one of a skin that weighs less than the 4 mN that were set: a good load cell would show it as a curvature.
 
 So when something is wrong the mass is tried beside all causes; that of a given model only where it is of skin, which may weigh nothing
-after a tare. Where it accounts for the record better than any of them it belongs to the
-baseline; of a mass that hangs, its inertia does. A mass that was assumed, because nobody declared one, is only an upper bound. Where a
-smaller one explains enough, whatever else is wrong, the mass is fitted between zero and that bound. It is held again at the end if it need
-not have been fitted. A declared mass hangs where one cause beside that explains as much as any beside the weight.
+after a tare. Where it accounts for the record better than any of them it belongs to the baseline; of a mass that hangs, its inertia does. A
+declared mass hangs as well where some cause beside that explains as much as any beside its weight. A mass that was assumed, because nobody
+declared one, is only an upper bound. Where a smaller one explains enough, whatever else is wrong, the mass is fitted between zero and that
+bound. It is held again at the end if it need not have been fitted.
 """
 
 from collections.abc import Iterator
@@ -49,9 +49,9 @@ def with_mass(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | N
         return None
     sessions = weighed(sessions)
     free = fit(present.model, sessions, noise)
-    hung = hanging(present.model, free.model)
-    if hung:
-        free = fit(free.model.extended(*hung), sessions, noise)
+    inertia = hanging(present.model, free.model)
+    if inertia:
+        free = fit(free.model.extended(*inertia), sessions, noise)
     return free if free.score_over(present) > _least(free, sessions) else None
 
 
@@ -199,7 +199,7 @@ def mass_warnings(mass: float, before: float, declared: bool) -> Iterator[str]:
         yield (
             f"the declared mass ({before:.3g} kg) is taken to hang on a load cell that was tared with it, and to be felt by its inertia "
             f"alone: resting on the skin, its weight would take {force:.3g} N from the load cell while the plunger touches, and the record "
-            "shows nothing of that"
+            "shows nothing of that (fit such recordings with --mass 0)"
         )
     elif declared and mass < before and before >= OF_SKIN:
         yield (
