@@ -12,7 +12,7 @@ from skin_ident.criticism.baseline.residual import damping, placed, simulated, s
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.sessions.cutoff import Common, common_to
 from skin_ident.criticism.sessions.parting import meeting
-from skin_ident.criticism.sessions.session import Session, hung, prepare, weighed, with_lines
+from skin_ident.criticism.sessions.session import Session, prepare, weighed_as, with_lines
 from skin_ident.criticism.sessions.thinner import thinner
 from skin_ident.criticism.telemetry.ceiling import find_ceilings
 from skin_ident.criticism.telemetry.clock import find_clock_faults
@@ -71,9 +71,8 @@ class Inspected:
         return replace(self, sessions=all_of(self.sessions), whole=all_of(self.whole))
 
     def weighed_as(self, other: Session) -> "Inspected":
-        """The same with the mass as in a session: as an unknown, or hanging on the load cell."""
-        sessions, whole = (weighed(hung(each, other.hung), other.heaviest) for each in (self.sessions, self.whole))
-        return replace(self, sessions=sessions, whole=whole)
+        """The same with the mass as in a session (see `session.weighed_as`)."""
+        return replace(self, sessions=weighed_as(self.sessions, other), whole=weighed_as(self.whole, other))
 
 
 def inspect(recordings: list) -> Inspected:

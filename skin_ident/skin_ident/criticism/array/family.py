@@ -62,8 +62,10 @@ class Family:
             felt += leak * own @ self._beside
         if common := p.get("common", 0.0):
             felt += common * own.mean(axis=1, keepdims=True)
-        felt[:, 1:] += p.get("previous", 0.0) * own[:, :-1]
-        felt[:, :-1] += p.get("next", 0.0) * own[:, 1:]
+        if previous := p.get("previous", 0.0):
+            felt[:, 1:] += previous * own[:, :-1]
+        if following := p.get("next", 0.0):
+            felt[:, :-1] += following * own[:, 1:]
         for name in filter(is_repeat, p):
             i, j = map(int, name.split("_")[1:])
             felt[:, i] += p[name] * own[:, j]

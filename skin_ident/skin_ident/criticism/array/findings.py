@@ -74,10 +74,10 @@ def silent(a: ArrayCriticism) -> list[int]:
 def form_of(j: Judged) -> str:
     """Which form of its cause a hypothesis is, as a word."""
     name = next(iter(j.hypothesis.free))
-    forms = {"leak": "neighbours", "common": "common", "power": "generalised_gaussian", "tail": "tails"}
+    forms = {"leak": "neighbours", "power": "generalised_gaussian", "tail": "tails"} | {form: form for form in ("common", *IN_ORDER)}
     if "axis" in j.hypothesis.free:
         return "turned"
-    return "one" if is_repeat(name) else name if name in IN_ORDER else forms.get(name, "static")
+    return "one" if is_repeat(name) else forms.get(name, "static")
 
 
 def parameters(j: Judged, layout: Layout) -> dict[str, dict[str, Any]]:

@@ -73,8 +73,9 @@ def _repeated(name: str, p: dict[str, float]) -> str:
     if is_repeat(name):
         _, hearing, heard = name.split("_")
         return f"taxel_{hearing} repeats {p[name]:.1%} of taxel_{heard}"
-    of = {"leak": "its neighbours", "common": "the mean of all", "previous": "the one with the number before its own"}
-    return f"every taxel repeats {p[name]:.1%} of {of.get(name, 'the one with the number after its own')}"
+    in_order = {"previous": "the one with the number before its own", "next": "the one with the number after its own"}
+    heard = {"leak": "its neighbours", "common": "the mean of all"} | in_order
+    return f"every taxel repeats {p[name]:.1%} of {heard[name]}"
 
 
 def changing(e: Effect) -> str:

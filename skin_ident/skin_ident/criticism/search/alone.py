@@ -14,7 +14,7 @@ from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.only_held import note_cause_of_held
 from skin_ident.criticism.search.rivals import own_rivals, plainest_first, reach
 from skin_ident.criticism.search.state import Search
-from skin_ident.criticism.search.tared import take_tare_of_held, take_zeros_of_held
+from skin_ident.criticism.search.tared import take_tare_of_held, take_zeros_of_held, taken_off
 from skin_ident.criticism.vocabulary import Key
 
 ALONE = 0.9  # largest ratio of errors, after to before, of what is wrong in held-out sessions alone: a smaller fall may be due to the model
@@ -122,7 +122,7 @@ def drop_alone(search: Search) -> bool:
     if run is None or all(n.courses for n in search.named):
         return False
     without = search.ahead(search.present)
-    without.held = added(search.held, {name: -values for name, values in run.values.items()})
+    without.held = taken_off(search.held, run.values)
     without.runs = [r for r in search.runs if r is not run]
     without.named = [n for n in search.named if n.courses is not run.said]
     again = next((r for r in courses_alone(without) if r.course == run.course), None)

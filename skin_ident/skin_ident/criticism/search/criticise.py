@@ -21,7 +21,7 @@ from skin_ident.criticism.search.survey import noise_beside
 from skin_ident.criticism.search.weighing import unweigh, weighs_as_skin
 from skin_ident.criticism.sessions.beginning import at_rest
 from skin_ident.criticism.sessions.parting import moved, without_meeting_at, without_parting
-from skin_ident.criticism.sessions.session import Session, hung, longest, weighed
+from skin_ident.criticism.sessions.session import Session, longest, weighed_as
 from skin_ident.criticism.sessions.surface import surface_of
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.usable import enough_is_compared
@@ -140,7 +140,7 @@ def _baseline_beside(c: Criticism, start: Model, hanging: tuple[Effect, ...], tr
     if not (c.named or as_weighed.hung or as_weighed.free_mass or any(s.skin for s in plain)):
         return c.baseline
     begin = replace(start, dispersion=replace(start.dispersion, m=c.extended.model.dispersion.m), effects=hanging)
-    return fit(begin, weighed(hung(plain, as_weighed.hung), as_weighed.heaviest), c.last.noise)
+    return fit(begin, weighed_as(plain, as_weighed), c.last.noise)
 
 
 def _predicts_worse(c: Criticism, held: list[Session]) -> bool:

@@ -18,7 +18,7 @@ from skin_ident.criticism.search.hardware import tare_does
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, own_rivals, reach
 from skin_ident.criticism.search.state import Search
-from skin_ident.criticism.search.tared import take_zeros, untared
+from skin_ident.criticism.search.tared import take_zeros, taken_off, untared
 from skin_ident.criticism.search.trial import Trial
 from skin_models.model import Model
 
@@ -130,10 +130,7 @@ def drop_gain(search: Search) -> bool:
 def _dropped(search: Search, run: Run) -> bool:
     """Whether a gain was taken out, since without it, but with zeros, next to nothing more is left."""
     ahead = search.ahead(search.present)
-    ahead.train, ahead.held = (
-        added(sessions, {name: -v for name, v in values.items()})
-        for sessions, values in ((search.train, run.values), (search.held, run.of_held))
-    )
+    ahead.train, ahead.held = taken_off(search.train, run.values), taken_off(search.held, run.of_held)
     ahead.present, ahead.zeroed = fit(search.present.model, ahead.train, search.noise), None
     take_zeros(ahead)
     if ahead.present.cost - search.present.cost > SEARCHED * search.least(search.present.count):

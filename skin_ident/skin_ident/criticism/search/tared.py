@@ -99,7 +99,12 @@ def untared(search: Search) -> list[Session]:
     """The held-out sessions without such zeros, which are not taken back twice. A course of theirs is fitted without them: they were taken
     beside what that course has to explain."""
     taken, search.zeros_of_held = search.zeros_of_held, {}
-    return added(search.held, {name: -zero for name, zero in taken.items()}) if taken else search.held
+    return taken_off(search.held, taken) if taken else search.held
+
+
+def taken_off(sessions: list[Session], values: dict[str, np.ndarray]) -> list[Session]:
+    """The sessions without zeros, or another course, that were `added` to their simulation."""
+    return added(sessions, {name: -v for name, v in values.items()})
 
 
 def _shared(search: Search, finding: Named) -> Zeros:

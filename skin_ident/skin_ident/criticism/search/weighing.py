@@ -79,7 +79,7 @@ def hung_mass(search: Search, free: Fit | None, best: float) -> Fit | None:
     which must account for the missing weight as well: whatever bends does that, and then the right cause is not seen. None where the
     `free` mass is no lighter."""
     present, m = search.present, search.present.model.dispersion.m
-    if free is None or not search.declared or m < OF_SKIN or not lighter(present.model, free.model):
+    if free is None or not search.declared or not hanging(present.model, free.model):
         return None
     sessions = hung(search.train, m)
     weightless = replace(present.model, dispersion=replace(present.model.dispersion, m=0.0))

@@ -138,6 +138,11 @@ def hung(sessions: list[Session], mass: float) -> list[Session]:
     return [replace(s, heaviest=0.0, hung=mass) for s in sessions]
 
 
+def weighed_as(sessions: list[Session], other: Session) -> list[Session]:
+    """The sessions with the mass as in another one: held, as an unknown, or hanging on the load cell."""
+    return [replace(s, heaviest=other.heaviest, hung=other.hung) for s in sessions]
+
+
 def having_all(sessions: list[Session]) -> list[Session]:
     """The sessions, all of which have every cause again."""
     return [replace(s, lacks=frozenset()) for s in sessions]
