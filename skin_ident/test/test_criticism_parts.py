@@ -19,7 +19,7 @@ from skin_ident.criticism.search.ranking import signed_pursuit
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.search.unstuck import unstuck
-from skin_ident.criticism.search.weighing import with_mass
+from skin_ident.criticism.search.weighing import with_hanging
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.sessions.parting import JOLTED, impacts, parted
 from skin_ident.criticism.sessions.session import motion_under, prepare, weighed
@@ -138,10 +138,9 @@ def test_a_mass_that_hangs_explains_with_its_inertia_what_one_that_leans_does_no
     sessions = [prepare(r)]
     noise = white([1e-4 * np.random.default_rng(1).standard_normal(s.measured.shape) for s in sessions])
     leaning = fit(replace(skin, dispersion=replace(skin.dispersion, m=0.5)), sessions, noise)
-    free = with_mass(leaning, sessions, noise)
-    assert free.model.dispersion.m < 0.01
-    assert free.model.effects[0].mass == pytest.approx(0.5, rel=0.02)
-    assert free.cost < 0.5 * fit(leaning.model, weighed(sessions), noise).cost
+    hanging, seen = with_hanging(leaning, sessions, noise)
+    assert (hanging.model.dispersion.m, seen[0].hung) == (0.0, 0.5)
+    assert hanging.cost < 0.5 * fit(leaning.model, weighed(sessions), noise).cost
 
 
 def test_a_cause_that_only_leads_out_of_a_false_minimum_is_not_taken():

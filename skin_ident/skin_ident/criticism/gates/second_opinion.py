@@ -35,10 +35,9 @@ def all_in_turn(before: Model, after: Model, train: list[Session], held: list[Se
     sessions = [*(s for s, _, _ in asked), *held]
     left = [a + b for a, b in zip(left_by(asked, noise), left_in_held(before, after, train, held, noise), strict=True)]
     yield gain_of_residuals(*left, sessions, noise, "every session in turn")
-    if train[0].spread is None and of_the_skin(before, train[0]) and not all(s.skin for s in sessions):
+    if may_be_another_skin(before, sessions):
         asked += [(s, before, after) for s in held]
-        left = [[left_beside_own_skin(models[i], s, noise) for s, *models in asked] for i in (0, 1)]
-        yield gain_of_residuals(*left, sessions, noise, "every session in turn, with a skin of its own")
+        yield _beside_own_skin(asked, noise, "every session in turn, with a skin of its own")
 
 
 def halves_in_turn(before: Model, after: Model, train: list[Session], noise: Whitener) -> Gain:
@@ -49,11 +48,38 @@ def halves_in_turn(before: Model, after: Model, train: list[Session], noise: Whi
     return gain if gain.relative > CLEAR_FALL else replace(gain, lower=min(gain.lower, 0.0))
 
 
+def may_be_another_skin(model: Model, sessions: list[Session]) -> bool:
+    """Whether the skin may differ in sessions that do not have skin parameters of their own yet."""
+    return sessions[0].spread is None and bool(of_the_skin(model, sessions[0])) and not all(s.skin for s in sessions)
+
+
+def beside_own_skin(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
+    """Gain of `after` over `before` in held-out sessions with skin parameters of each session's own."""
+    asked = _asked(before, after, train, held, noise)
+    return _beside_own_skin(asked, noise, f"{_names(asked)}, with a skin of its own")
+
+
+def _beside_own_skin(asked: list[Asked], noise: Whitener, said: str) -> Gain:
+    left = [[left_beside_own_skin(models[i], s, noise) for s, *models in asked] for i in (0, 1)]
+    return gain_of_residuals(*left, [s for s, _, _ in asked], noise, said)
+
+
 def at_any_scale(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
     """Gain of `after` over `before` in held-out sessions where a free factor scales each channel of every session."""
-    asked = [(s, before, after) for s in held] or in_turn(before, after, train, noise)
+    asked = _asked(before, after, train, held, noise)
     left = ([_left_at_any_scale(models[i], s) for s, *models in asked] for i in (0, 1))
-    return gain_of_residuals(*left, [s for s, _, _ in asked], noise, f"{', '.join(s.name for s, _, _ in asked)}, at any scale")
+    return gain_of_residuals(*left, [s for s, _, _ in asked], noise, f"{_names(asked)}, at any scale")
+
+
+def _asked(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> list[Asked]:
+    """The held-out sessions with both models; without any, training sessions in turn, or the only one."""
+    if held or len(train) == 1:
+        return [(s, before, after) for s in held or train]
+    return in_turn(before, after, train, noise)
+
+
+def _names(asked: list[Asked]) -> str:
+    return ", ".join(s.name for s, _, _ in asked)
 
 
 def _left_at_any_scale(model: Model, session: Session) -> np.ndarray:

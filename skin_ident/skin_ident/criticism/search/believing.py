@@ -10,7 +10,7 @@ from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.blurred import blurred
 from skin_ident.criticism.gates.description import shorter_by
 from skin_ident.criticism.gates.gate import MUCH_FALL, Gain
-from skin_ident.criticism.gates.second_opinion import at_any_scale
+from skin_ident.criticism.gates.second_opinion import at_any_scale, beside_own_skin, may_be_another_skin
 from skin_ident.criticism.search.by_nature import same_by_nature
 from skin_ident.criticism.search.doubt import mending, shadowed, unproven
 from skin_ident.criticism.search.hardware import converter_does, encoder_does, hardware_is_off, negligible, no_other_does, too_short
@@ -19,6 +19,7 @@ from skin_ident.criticism.search.rivals import CHANCE_SCORE, Rival, own_rivals, 
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.trial import Trial, sized
 from skin_ident.criticism.vocabulary import POSITION_OFFSET, ZERO_OF_DEPTH, Key
+from skin_models.model import Model
 
 SURELY = 0.25  # share of the fall of the mean square that its lower bound must exceed for a plainer form, which is a second chance
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of causes were compared
@@ -160,11 +161,20 @@ def _gain_of(search: Search, trial: Trial, best: float) -> Gain:
     """Gain of a trial; a second opinion is asked for where it is as good as the `best` and explains very much of training."""
     models = search.present.model, trial.fit.model, trial.key[1]
     gain = search.gain(*models)
-    if gain.spoilt and gain.lower > MUCH_FALL:
-        gain = at_any_scale(*models[:2], search.train, [] if search.deaf(*models) else search.held, search.noise)
+    gain = _unspoilt(search, models, gain) if gain.spoilt and gain.lower > 0.0 else gain
     if gain.passed or search.doubting or trial.score <= max(reach(best), _doubtless(search, trial)):
         return gain
     return search.second_opinion(*models, gain)
+
+
+def _unspoilt(search: Search, models: tuple[Model, Model, str], gain: Gain) -> Gain:
+    """The gain of a cause that is better beyond doubt and yet spoils a channel, with what lets it do so taken away: held-out sessions have
+    a skin of their own or, where it gains much, any scale."""
+    held = [] if search.deaf(*models) else search.held
+    data = *models[:2], search.train, held, search.noise
+    if may_be_another_skin(models[0], held or search.train) and (own := beside_own_skin(*data)).passed:
+        return own
+    return at_any_scale(*data) if gain.lower > MUCH_FALL else gain
 
 
 def _is_hardware(search: Search, trial: Trial, gain: Gain) -> bool:

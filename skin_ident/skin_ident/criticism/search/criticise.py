@@ -26,7 +26,6 @@ from skin_ident.criticism.sessions.surface import surface_of
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.usable import enough_is_compared
 from skin_ident.criticism.vocabulary import Key
-from skin_models.effect import Effect
 from skin_models.model import Model
 
 WORSE = 1.1  # ratio to the baseline's error in a channel, above which an extended model is worse
@@ -84,7 +83,7 @@ def criticise(
     named = with_load_cell(search.named, search.present.model, search.runs, [*search.train, *search.held])
     told = (tuple(named), search.survey(), tuple(search.rounds))
     c = Criticism(search.baseline, search.present, *told, tuple(search.train), tuple(search.held), search.not_named, search.grown)
-    c = replace(c, baseline=fit(given, train, noise, 0) if given else _baseline_beside(c, start, search.hanging, train))
+    c = replace(c, baseline=fit(given, train, noise, 0) if given else _baseline_beside(c, start, train))
     return _without_names(c, train, held) if _predicts_worse(c, held) else c
 
 
@@ -132,14 +131,14 @@ def _name_all(search: Search) -> None:
         eliminate(search)
 
 
-def _baseline_beside(c: Criticism, start: Model, hanging: tuple[Effect, ...], train: list[Session]) -> Fit:
+def _baseline_beside(c: Criticism, start: Model, train: list[Session]) -> Fit:
     """The plain model, as near to the record as it can be: fitted again in the noise that is left beside all causes. Where the mass is
     another, or sessions have a skin of their own that is no finding, it has these, too."""
     plain = [replace(s, skin=c.skin_before(own)) for s, own in zip(train, c.train, strict=True)]
     as_weighed = c.train[0]
     if not (c.named or as_weighed.hung or as_weighed.free_mass or any(s.skin for s in plain)):
         return c.baseline
-    begin = replace(start, dispersion=replace(start.dispersion, m=c.extended.model.dispersion.m), effects=hanging)
+    begin = replace(start, dispersion=replace(start.dispersion, m=c.extended.model.dispersion.m))
     return fit(begin, weighed_as(plain, as_weighed), c.last.noise)
 
 

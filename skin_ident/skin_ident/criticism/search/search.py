@@ -67,13 +67,13 @@ def _round(search: Search) -> bool:
     if settle_zeros(search) or take_other_specimen(search):
         return True
     trials, runs = single_before_several(search, search.trials(last)), search.own_courses()
-    mass = other_mass(search)
     of_trials = max((t.score for t in trials), default=0.0)
     best = max([0.0, of_trials, *(r.score for r in runs)])
-    hung = hung_mass(search, mass, best)
+    hung = hung_mass(search, best)
     if hung:
         hang(search, hung)
         return True
+    mass = other_mass(search)
     if mass and weighs(search, mass, best):
         weigh(search, mass)
         return True

@@ -28,7 +28,6 @@ from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.beginning import at_rest
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import SENSORS, Key
-from skin_models.effect import Effect
 from skin_models.model import Model
 
 MOST_FINDINGS = 5  # findings or rounds, after which findings are compared with each other again
@@ -91,7 +90,6 @@ class Search:
     zeros_of_held: dict[str, np.ndarray] = field(default_factory=dict)  # what these add to held-out sessions, (C, N) N by session
     refused: float = 0.0  # what the best cause would explain that was not believed in the last round
     wandering: float = 0.0  # the highest score in training of a course that then predicted nothing
-    hanging: tuple[Effect, ...] = ()  # of a declared mass, the inertia that is felt without its weight
 
     _surveyed: Survey | None = None
     _surveys: list[Survey] = field(default_factory=list)  # the latest ones, of states that look ahead as well

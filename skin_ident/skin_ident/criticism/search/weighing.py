@@ -9,10 +9,10 @@ of record would be misread with the mass that was set:
 - one of a skin that weighs less than the 4 mN that were set: a good load cell would show it as a curvature.
 
 So when something is wrong the mass is tried beside all causes; that of a given model only where it is of skin, which may weigh nothing
-after a tare. Where it accounts for the record better than any of them it belongs to the baseline; of a mass that hangs, its inertia does. A
-declared mass hangs as well where some cause beside that explains as much as any beside its weight. A mass that was assumed, because nobody
-declared one, is only an upper bound. Where a smaller one explains enough, whatever else is wrong, the mass is fitted between zero and that
-bound. It is held again at the end if it need not have been fitted.
+after a tare. A declared mass hangs where that, and some cause beside it, explains as much as any cause beside its weight; only its inertia
+belongs to the baseline then. Where a free mass accounts for the record better than any cause, it does. A mass that was assumed, because
+nobody declared one, is only an upper bound. Where a smaller one explains enough, whatever else is wrong, the mass is fitted between zero
+and that bound. It is held again at the end if it need not have been fitted.
 """
 
 from collections.abc import Iterator
@@ -44,15 +44,27 @@ def other_mass(search: Search) -> Fit | None:
 
 
 def with_mass(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | None:
-    """The fit with the mass free, where it was set and that explains enough to matter; of a mass that hangs, with its inertia."""
-    if sessions[0].free_mass or sessions[0].drive is not None or "force" not in sessions[0].channels:
+    """The fit with the mass free, where it was set and that explains enough to matter."""
+    if not _is_set(sessions[0]):
         return None
-    sessions = weighed(sessions)
-    free = fit(present.model, sessions, noise)
-    inertia = hanging(present.model, free.model)
-    if inertia:
-        free = fit(free.model.extended(*inertia), sessions, noise)
+    free = fit(present.model, weighed(sessions), noise)
     return free if free.score_over(present) > _least(free, sessions) else None
+
+
+def with_hanging(present: Fit, sessions: list[Session], noise: Whitener) -> tuple[Fit, list[Session]] | None:
+    """The fit with the mass hanging on the load cell as heavy as it was set, and the sessions as it sees them, where that explains enough
+    to matter; else None."""
+    m = present.model.dispersion.m
+    if m < OF_SKIN or not _is_set(sessions[0]):
+        return None
+    sessions = hung(sessions, m)
+    found = fit(replace(present.model, dispersion=replace(present.model.dispersion, m=0.0)), sessions, noise)
+    return (found, sessions) if found.score_over(present) > _least(found, sessions) else None
+
+
+def _is_set(session: Session) -> bool:
+    """Whether the mass is set in a session that could show it."""
+    return not session.free_mass and session.drive is None and "force" in session.channels
 
 
 def weighs_as_skin(given: Model) -> bool:
@@ -74,19 +86,17 @@ def held_again(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | 
     return held if present.score_over(held) < _least(held, sessions) else None
 
 
-def hung_mass(search: Search, free: Fit | None, best: float) -> Fit | None:
+def hung_mass(search: Search, best: float) -> Fit | None:
     """The fit with a declared mass that hangs, where some cause beside it explains as much as the `best` one beside the mass as it was set,
-    which must account for the missing weight as well: whatever bends does that, and then the right cause is not seen. None where the
-    `free` mass is no lighter."""
-    present, m = search.present, search.present.model.dispersion.m
-    if free is None or not search.declared or not hanging(present.model, free.model):
+    which must account for the missing weight as well: whatever bends does that, and then the right cause is not seen."""
+    hanging = with_hanging(search.present, search.train, search.noise) if search.declared and search.weighable else None
+    if hanging is None:
         return None
-    sessions = hung(search.train, m)
-    weightless = replace(present.model, dispersion=replace(present.model.dispersion, m=0.0))
-    ahead = search.ahead(fit(weightless, sessions, search.noise))
+    found, sessions = hanging
+    ahead = search.ahead(found)
     ahead.train = sessions
     beside = max((t.score for t in ahead.trials(ahead.survey())), default=0.0)
-    return ahead.present if ahead.present.score_over(present) + beside > reach(best) else None
+    return found if found.score_over(search.present) + beside > reach(best) else None
 
 
 def weighs(search: Search, free: Fit, best: float) -> bool:
@@ -138,8 +148,7 @@ def weigh(search: Search, free: Fit) -> None:
     no more than what was assumed of the skin's own."""
     before = search.present.model
     heaviest, kept = heaviest_of(before, free.model), lighter(before, free.model) and not search.declared
-    search.hanging = hanging(before, free.model)
-    model = free.model if kept else replace(free.model, effects=search.hanging)
+    model = free.model if kept else replace(free.model, effects=())
     _take(search, model, *(weighed(sessions, heaviest) for sessions in (search.train, search.held)), kept)
 
 
@@ -175,12 +184,6 @@ def _least(free: Fit, sessions: list[Session]) -> float:
     return MATERIAL_FALL * free.count * breadth_of(1, len(sessions[0].channels))
 
 
-def hanging(before: Model, after: Model) -> tuple[Inertia, ...]:
-    """What remains of a mass that was set but does not lean on the skin: its inertia."""
-    m = before.dispersion.m - after.dispersion.m
-    return (Inertia("rig", mass=m),) if before.dispersion.m >= OF_SKIN and lighter(before, after) else ()
-
-
 def with_hung(model: Model, session: Session) -> Model:
     """The model as it is written down: with the inertia of a mass that hangs on the load cell, where the session has one."""
     return model.extended(Inertia("rig", mass=session.hung)) if session.hung else model
@@ -200,12 +203,6 @@ def mass_warnings(mass: float, before: float, declared: bool) -> Iterator[str]:
             f"the declared mass ({before:.3g} kg) is taken to hang on a load cell that was tared with it, and to be felt by its inertia "
             f"alone: resting on the skin, its weight would take {force:.3g} N from the load cell while the plunger touches, and the record "
             "shows nothing of that (fit such recordings with --mass 0)"
-        )
-    elif declared and mass < before and before >= OF_SKIN:
-        yield (
-            f"the model's mass was fitted, {mass:.3g} kg: with the declared one ({before:.3g} kg) resting on the skin the record cannot be "
-            f"explained, since its weight would take {force:.3g} N from the load cell while the plunger touches. It is taken to hang on a "
-            "load cell that was tared with it, and to be felt by its inertia alone"
         )
     elif declared and mass < before:
         yield (
