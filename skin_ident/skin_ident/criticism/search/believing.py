@@ -13,12 +13,21 @@ from skin_ident.criticism.gates.gate import MUCH_FALL, Gain
 from skin_ident.criticism.gates.second_opinion import at_any_scale, beside_own_skin, may_be_another_skin
 from skin_ident.criticism.search.by_nature import same_by_nature
 from skin_ident.criticism.search.doubt import mending, shadowed, unproven
-from skin_ident.criticism.search.hardware import converter_does, encoder_does, hardware_is_off, negligible, no_other_does, too_short
+from skin_ident.criticism.search.hardware import (
+    converter_does,
+    encoder_does,
+    forms_of_hardware,
+    hardware_is_off,
+    negligible,
+    no_other_does,
+    too_short,
+)
 from skin_ident.criticism.search.named import Named, NotNamed
 from skin_ident.criticism.search.rivals import CHANCE_SCORE, Rival, own_rivals, reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.trial import Trial, sized
 from skin_ident.criticism.vocabulary import POSITION_OFFSET, ZERO_OF_DEPTH, Key
+from skin_models.effect import Effect
 from skin_models.model import Model
 
 SURELY = 0.25  # share of the fall of the mean square that its lower bound must exceed for a plainer form, which is a second chance
@@ -179,23 +188,45 @@ def _unspoilt(search: Search, models: tuple[Model, Model, str], gain: Gain) -> G
 
 def _is_hardware(search: Search, trial: Trial, gain: Gain) -> bool:
     """Whether a trial is so small that a good stage or converter does as much by itself; if it gains all the same, the reason is noted."""
-    effects = trial.fit.model.having(trial.key)
-    little = all(map(negligible, effects))
-    why = hardware_is_off(effects, gain) if little else converter_does(search.claim(trial.key, gain, trial.fit.model))
+    little = _is_little(trial)
+    after = trial.fit.model
+    why = hardware_is_off(after.having(trial.key), gain) if little else converter_does(search.claim(trial.key, gain, after))
     if why:
         search.hardware[trial.key] = why
     return bool(why) or little
 
 
+def _is_little(trial: Trial) -> bool:
+    """Whether every instance of a trial's cause is within what good hardware has anyway."""
+    return all(map(negligible, trial.fit.model.having(trial.key)))
+
+
+def _of_usual_size(search: Search, trial: Trial, least: float) -> list[Effect]:
+    """The effects of a trial's cause, in any of its forms, where they are within what good hardware has and explain at least `least`;
+    else none. A finer form of a small delay has numbers that are not small."""
+    if _is_little(trial):
+        return trial.fit.model.having(trial.key)
+    present = search.present.model
+    if present.having(trial.key):
+        return []
+    for effect in forms_of_hardware(trial.fit.model.effects[-1]):
+        plain = fit(present.extended(effect), search.train, search.noise)
+        if negligible(plain.model.effects[-1]) and plain.score_over(search.present) > least:
+            return plain.model.having(trial.key)
+    return []
+
+
 def _hardware_does(search: Search, trial: Trial, rivals: list[Trial], gain: Gain) -> dict[Key, NotNamed]:
-    """What the encoder may do in place of a trial, by cause and place: the trial itself, or a zero of depth too small for it to read among
-    the rivals that explain as much."""
+    """What hardware may do in place of a trial, by cause and place: the encoder the trial itself; or, among all that explains as much, a
+    zero of depth too small for the encoder to read, or a cause that is no larger than good hardware has it."""
     encoder = encoder_does(search.claim(trial.key, gain, trial.fit.model), search.noise, search.encoder_step)
     if encoder:
         return {trial.key: encoder}
+    least = reach(trial.score)
     as_good = [t for t in rivals if t.score > trial.score - CHANCE_SCORE and t.key[0] == POSITION_OFFSET]
     unread = {t.key: too_short(t.key, t.fit.model, search.encoder_step) for t in as_good}
-    return {key: why for key, why in unread.items() if why is not None}
+    usual = {t.key: hardware_is_off(_of_usual_size(search, t, least), gain) for t in (trial, *rivals) if t.score > least}
+    return {key: why for key, why in (unread | usual).items() if why is not None}
 
 
 def _note_the_like(search: Search, trial: Trial, trials: list[Trial]) -> None:

@@ -2,7 +2,7 @@
 tell.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +17,7 @@ from skin_ident.criticism.gates.resolution import converter_step, of_the_convert
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.named import NotNamed
 from skin_ident.criticism.vocabulary import DEAD_ZONE, Key
+from skin_models.catalogue import effects as all_effects
 from skin_models.effect import Effect
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
@@ -40,6 +41,16 @@ def negligible(e: Effect) -> bool:
     """Whether every amplitude of an effect is within what good hardware has anyway."""
     sizes = [p for p in parameters_of(e) if p.role == AMPLITUDE]
     return bool(sizes) and all(abs(p.value) <= p.negligible for p in sizes)
+
+
+def forms_of_hardware(e: Effect) -> Iterator[Effect]:
+    """An effect's cause in its other forms of which good hardware has a little, each as large as that."""
+    for cls in all_effects():
+        if cls.cause != e.cause or e.where not in cls.places or cls is type(e):
+            continue
+        usual = {p.name: p.negligible for p in parameters_of(cls.typical(e.where)) if p.role == AMPLITUDE}
+        if usual and all(usual.values()):
+            yield cls.typical(e.where, **usual)
 
 
 def hardware_is_off(effects: list[Effect], gain: Gain) -> NotNamed | None:
