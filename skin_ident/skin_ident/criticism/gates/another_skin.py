@@ -11,6 +11,8 @@ marginal likelihood with theta, and p0 the likelihood without (N. M. Laird, J. H
 Biometrics 38 (1982) 963-974).
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import tangents
@@ -23,6 +25,7 @@ from skin_models.model import Model
 
 NUMBERS = ("k1", "b1", "k2", "b2")  # parameters of the dispersion model that may differ per session
 STRAYS = 0.03  # s, standard deviation of each parameter between sessions, as a share of it
+TIMES, SETTLED = 4, 1e-4  # estimates in turn at most, and the change of a parameter below which they stop
 
 
 def of_the_skin(model: Model, s: Session) -> tuple[Unknown, ...]:
@@ -42,6 +45,27 @@ def solved(J: np.ndarray, r: np.ndarray) -> tuple[np.ndarray, float]:
     gram, product = J.T @ J, J.T @ r
     theta = np.linalg.solve(gram + np.eye(len(gram)) / STRAYS**2, product)
     return theta, float(theta @ product - np.linalg.slogdet(np.eye(len(gram)) + STRAYS**2 * gram)[1])
+
+
+def deviations(model: Model, s: Session) -> np.ndarray:
+    """theta (U,) of a session as it is; 0 where it has no skin parameters of its own."""
+    return np.array([s.skin.get(u.label, 1.0) - 1.0 for u in of_the_skin(model, s)])
+
+
+def deviating(model: Model, s: Session, theta: np.ndarray) -> Session:
+    """A session with the skin parameters that theta (U,) gives it."""
+    return replace(s, skin={u.label: 1.0 + float(x) for u, x in zip(of_the_skin(model, s), theta, strict=True)})
+
+
+def with_own_skin(model: Model, s: Session, noise: Whitener) -> Session:
+    """A session with skin parameters of its own, estimated from it."""
+    for _ in range(TIMES):
+        J, before = stack([changes(model, s)], [s], noise), deviations(model, s)
+        theta, _ = solved(J, stack([residual(model, s)], [s], noise) + J @ before)
+        s = deviating(model, s, theta)
+        if np.abs(theta - before).max() < SETTLED:
+            break
+    return s
 
 
 def left_beside_own_skin(model: Model, session: Session, noise: Whitener) -> np.ndarray:

@@ -6,12 +6,14 @@ import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, grown_noise_of, noise_of
 from skin_ident.criticism.baseline.residual import residual
-from skin_ident.criticism.courses.carriers import DELAY, SLOPE, ZERO
+from skin_ident.criticism.courses.carriers import DELAY, DEPTH, SLOPE, ZERO
 from skin_ident.criticism.courses.course import added, fitted
 from skin_ident.criticism.courses.gate import believed, course_gain, helps, stands
 from skin_ident.criticism.courses.kinds import STEPS
 from skin_ident.criticism.courses.run import Run
+from skin_ident.criticism.gates.another_skin import with_own_skin
 from skin_ident.criticism.gates.gate import Gain
+from skin_ident.criticism.gates.second_opinion import may_be_another_skin
 from skin_ident.criticism.gates.uncertain import left_open
 from skin_ident.criticism.search.doubt import unproven, wandering
 from skin_ident.criticism.search.hardware import tare_does
@@ -60,10 +62,14 @@ def own_course(search: Search, run: Run, runs: list[Run], trials: list[Trial]) -
 
 def _gain_of(search: Search, run: Run, before: Model, after: Model) -> Gain:
     """Gain of a course beside `after` over `before`, under noise that is fitted beside the course: the search's own noise model has taken
-    the course for noise as well."""
+    the course for noise as well. Another skin in a held-out session looks like another zero of depth, which must therefore gain beside
+    that."""
     noise = grown_noise_of(after, added(search.train, run.values))
     having = [s for s in search.train if np.any(run.values[s.name])]
-    return course_gain(run.course, before, after, search.train, search.held, noise, having)
+    held = search.held
+    if held and run.course.carrier == DEPTH and may_be_another_skin(before, held):
+        held = [with_own_skin(before, s, noise) for s in held]
+    return course_gain(run.course, before, after, search.train, held, noise, having)
 
 
 def _of_wandering(run: Run, least: float) -> float:

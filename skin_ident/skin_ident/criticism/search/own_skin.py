@@ -20,7 +20,7 @@ from skin_ident.criticism.courses.carriers import DEPTH, SLOPE
 from skin_ident.criticism.courses.course import added
 from skin_ident.criticism.courses.kinds import CONSTANT
 from skin_ident.criticism.courses.run import LEAST_SCORE, Run
-from skin_ident.criticism.gates.another_skin import changes, of_the_skin, solved
+from skin_ident.criticism.gates.another_skin import SETTLED, TIMES, changes, deviating, deviations, of_the_skin, solved, with_own_skin
 from skin_ident.criticism.gates.gate import Gain, gain_of_residuals
 from skin_ident.criticism.noise.whitening import stack
 from skin_ident.criticism.projection import basis, projected_off
@@ -45,9 +45,7 @@ MOSTLY = 0.75  # share of a gain's or zero's score from which it is constant in 
 MUCH = 0.5  # share of what skin parameters explain, above which a gain or a zero of depth is reported as in doubt
 PATTERN = 4  # sessions from which on a gain that steps looks different from skin that strays
 NATURAL = 0.045  # relative deviation of a stiffness that may occur where specimens differ by a hundredth; a larger one is named
-# Rounds of fitting shared parameters and those of each session in turn, and the change below which they stop: in the same noise, and with
-# the noise found anew.
-TIMES, SETTLED, SETTLED_IN_NOISE = 4, 1e-4, 1e-3
+SETTLED_IN_NOISE = 1e-3  # change of a parameter below which fits stop that find the noise anew
 GAINS_NOTHING = 10.0  # squared whitened units, as little as another instance of a cause must explain: fitted once more, nothing changes
 WORTH_SAYING = 0.002  # relative deviation of a parameter from which it is reported
 
@@ -160,7 +158,7 @@ def _left_of_held(search: Search, held: list[Session], best: list[Run]) -> tuple
 
 def _farthest(search: Search, sessions: list[Session]) -> float:
     """The largest relative deviation of any skin parameter in some sessions; 0 without any."""
-    return max((float(np.abs(_present(search, s)).max()) for s in sessions), default=0.0)
+    return max((float(np.abs(deviations(search.present.model, s)).max()) for s in sessions), default=0.0)
 
 
 def _asked(search: Search) -> bool:
@@ -244,9 +242,9 @@ def _said(s: Session) -> Said:
 def _settle_train(search: Search) -> None:
     """Fit the skin parameters of training sessions and the shared ones in turn."""
     for _ in range(TIMES):
-        before = np.array([_present(search, s) for s in search.train])
+        before = np.array([deviations(search.present.model, s) for s in search.train])
         theta, _ = _of_train(search)
-        search.train = [_with(s, search, row) for s, row in zip(search.train, theta, strict=True)]
+        search.train = [deviating(search.present.model, s, row) for s, row in zip(search.train, theta, strict=True)]
         search.present = fit(search.present.model, search.train, search.noise)
         if np.abs(theta - before).max() < SETTLED:
             return
@@ -261,20 +259,16 @@ def _rows(search: Search, s: Session) -> np.ndarray:
     return stack([changes(search.present.model, s)], [s], search.noise)
 
 
-def _present(search: Search, s: Session) -> np.ndarray:
-    return np.array([s.skin.get(u.label, 1.0) - 1.0 for u in _which(search)])
-
-
 def _present_of_all(search: Search) -> np.ndarray:
     """theta (S, U) as it is in training sessions and in held-out ones after them."""
-    return np.array([_present(search, s) for s in (*search.train, *search.held)])
+    return np.array([deviations(search.present.model, s) for s in (*search.train, *search.held)])
 
 
 def _of_train(search: Search) -> tuple[np.ndarray, float]:
     """theta (S, U) of the training sessions, and its log-likelihood ratio, in twice nats."""
     sessions, noise, model = search.train, search.noise, search.present.model
     Q = basis(stack(tangents(model, sessions, unknowns(model, sessions[0])), sessions, noise))
-    J, now = block_diag(*(_rows(search, s) for s in sessions)), np.concatenate([_present(search, s) for s in sessions])
+    J, now = block_diag(*(_rows(search, s) for s in sessions)), np.concatenate([deviations(search.present.model, s) for s in sessions])
     r = whitened(model, sessions, noise) + J @ now
     J, r = projected_off(J, Q), projected_off(r, Q)
     theta, explained = solved(J, r)
@@ -283,14 +277,4 @@ def _of_train(search: Search) -> tuple[np.ndarray, float]:
 
 def _with_its_own(search: Search, s: Session) -> Session:
     """A held-out session with skin parameters of its own."""
-    for _ in range(TIMES):
-        J, before = _rows(search, s), _present(search, s)
-        theta, _ = solved(J, whitened(search.present.model, [s], search.noise) + J @ before)
-        s = _with(s, search, theta)
-        if np.abs(theta - before).max() < SETTLED:
-            break
-    return s
-
-
-def _with(s: Session, search: Search, theta: np.ndarray) -> Session:
-    return replace(s, skin={u.label: 1.0 + float(x) for u, x in zip(_which(search), theta, strict=True)})
+    return with_own_skin(search.present.model, s, search.noise)
