@@ -54,7 +54,7 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
       test this is not asked, for its load cell is a rival of every name in any case;
     - a trial that explains far less than another that held-out data nearly support, or did support before it was taken out again.
     """
-    nearly, left_open, known = _of_dropped(search), None, {n.key for n in search.named if not n.courses}
+    nearly, left_open, in_its_place, known = _of_dropped(search), None, None, {n.key for n in search.named if not n.courses}
     for trial in _forms(trials):
         gain = _gain_of(search, trial, trials[0].score)
         if _is_hardware(search, trial, gain):
@@ -64,7 +64,7 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
         itself = itself or _explains_all(search, trial)
         if itself and _in_doubt(search, trial, trials[0], gain):
             search.doubts[trial.key] = too_short(trial.key, trial.fit.model, search.encoder_step) or unproven()
-        if not _is_believed(search, trial, gain, second_chance=trial not in trials):
+        if not _is_believed(search, trial, gain, second_chance=trial not in trials and trial is not in_its_place):
             if trial is trials[0] and trial.key in search.suspected and gain.passed:
                 return None
             nearly = max(nearly, trial.score * (gain.lower > 0.0 and sized(trial)))
@@ -76,7 +76,9 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
             continue
         rivals = [t for t in trials if t.key != trial.key and _is_rival(search, t, trial, gain)]
         hardware = _hardware_does(search, trial, rivals, gain)
-        if hardware:
+        if hardware and trial.plainer:  # of two numbers each may be small, where the one that does for both is not
+            in_its_place = trial.plainer
+        elif hardware:
             search.hardware |= hardware
             _note_the_like(search, trial, trials)
             left_open = left_open or (trial if search.train[0].drive is None else None)
