@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rows import rows
+from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
 from skin_ident.criticism.diagnose import diagnose
@@ -212,3 +213,37 @@ def test_what_an_encoder_cannot_read_of_a_stage_at_rest_is_nothing_wrong(seed):
     outcome = diagnose([steps(seed, **skin), steps(seed + 1, **skin)], [steps(seed + 2, **skin)])
     assert outcome.findings["verdict"] == "nothing_wrong", outcome.findings["findings"]
     assert outcome.baseline.dispersion.b1 == pytest.approx(1357.0, rel=0.1)
+
+
+def apart(seed: int, late: float, drift: float = 0.0) -> Recording:
+    """A quiet record whose depth acts `late`, s; the load cell's zero creeps by `drift`, N. Forces are made at forty times the sampling
+    rate."""
+    t, x = presses(seed, 60.0)
+    path, finely = CubicSpline(t, x), np.arange(0.0, t[-1], 1.0 / (40.0 * RATE))
+    y, v = path(finely - late), path(finely - late, 1)
+    sensed, dispersed = K1 * y + B1 * v, K2 * y + B2 * v
+    touched = (y > 0.0) & (sensed + dispersed > 0.0)
+    force, taxel = (np.interp(t, finely, touched * f) for f in (sensed + dispersed, sensed))
+    rng = np.random.default_rng([seed, 6])
+    force, taxel = (f + noise(rng, t.size, 0.004, 0.5) for f in (force + drift * -np.expm1(-t / 15.0), taxel))
+    return Recording(f"session_{seed}", t, x, force, taxel[None], declared=Declared())
+
+
+@pytest.mark.parametrize("late", rows([2.5e-4, -2.5e-4, 1e-4], 1))
+def test_depth_and_forces_that_are_apart_as_good_hardware_is_are_no_finding(late):
+    """Nor is anything else that looks like it. It is said where it matters, and taken into account."""
+    findings = diagnose([apart(1, late), apart(2, late)], [apart(3, late)]).findings
+    assert findings["findings"] == [] and findings["verdict"] == "nothing_wrong"
+    said = [u["because"] for u in findings["untestable"] if u["cause"] == "time_shift" and "apart by" in u["because"]]
+    times = [float(because.partition("apart by ")[2].partition(" ms")[0]) for because in said]
+    assert times == [pytest.approx(1e3 * late, rel=0.2)] if abs(late) > 2e-4 else times == []
+
+
+def test_what_is_wrong_beside_that_delay_is_named():
+    findings = diagnose([apart(seed, 2.5e-4, 0.03) for seed in (1, 2)], [apart(3, 2.5e-4, 0.03)]).findings
+    assert [(f["cause"], f["where"]) for f in findings["findings"]] == [("drift", "load_cell")]
+
+
+def test_a_delay_beyond_that_is_named():
+    (found,) = diagnose([apart(1, 2e-3), apart(2, 2e-3)], [apart(3, 2e-3)]).findings["findings"]
+    assert "time_shift" in {found["cause"], *(a["cause"] for a in found["alternatives"])}

@@ -14,7 +14,7 @@ from skin_models.errors import ModelError
 
 AMPLITUDE = "amplitude"
 SHAPE = "shape"
-PROMPT = 3e-4  # s, by which good hardware may be late: an amplifier with a filter of 500 Hz, or converters read one after the other
+PROMPT = 3.2e-4  # s, by which good hardware may be late: an amplifier with a filter of 500 Hz, or converters read one after the other
 
 
 @dataclass(frozen=True)

@@ -41,6 +41,7 @@ What is no finding:
 What is taken into the baseline instead of being named:
 
 - `tared`: zeros as tares and stages leave them
+- `lateness`: a delay of the depth as good hardware has it
 - `own_skin`: skin that differs from session to session; named where it differs by more than specimens do
 - `weighing`: another mass
 - `unstuck`: a better minimum, to which a cause only led

@@ -20,11 +20,12 @@ from skin_ident.criticism.vocabulary import DEAD_ZONE, Key
 from skin_models.catalogue import effects as all_effects
 from skin_models.effect import Effect
 from skin_models.model import Model
-from skin_models.parameter import AMPLITUDE, parameters_of
+from skin_models.parameter import AMPLITUDE, PROMPT, parameters_of
 
 FINER = "an encoder, and converters, with finer steps and less noise"
 CROSSES = 3.0  # standard deviations of a resting force that count as the reach of its noise
 SOONER = "amplifiers of known, greater bandwidth, and converters that are triggered together"
+LATE = "filters of good amplifiers, and converters that take turns, are late by up to {}"
 TRUER = "a stage of known, higher accuracy, and touches that begin and end in free air"
 
 
@@ -63,7 +64,7 @@ def hardware_is_off(effects: list[Effect], gain: Gain) -> NotNamed | None:
     would = f"it would be {found} and {_worth(gain)}"
     if largest.unit == "m":
         return _usual(f"{would}, but even a good stage is accurate to no better than {least}", TRUER)
-    return _usual(f"{would}, but filters of good amplifiers, and converters that take turns, are late by up to {least}", SOONER)
+    return _usual(f"{would}, but {LATE.format(least)}", SOONER)
 
 
 def encoder_does(claim: Claim, noise: Whitener, encoder_step: float) -> NotNamed | None:
@@ -132,6 +133,14 @@ def tare_does(largest: float, tare: Tare) -> NotNamed:
     off = f"the zeros of single sessions are off by up to {largest:.2g} N"
     needs = "a converter with finer steps, and tares of many seconds in free air"
     return _usual(f"{off}, but {tare.said} may leave as much", needs, own_zero=True)
+
+
+def delay_does(late: float) -> NotNamed:
+    """Why a delay of the depth, s, is no finding."""
+    off = f"the depth and the forces are apart by {_milliseconds(late)}"
+    return _usual(
+        f"{off}, but filters of good amplifiers, and converters that take turns, are late by up to {_milliseconds(PROMPT)}", SOONER
+    )
 
 
 def specimens_do(largest: Mapping[str, float], lone: bool = False) -> NotNamed:

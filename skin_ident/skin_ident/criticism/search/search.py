@@ -8,6 +8,7 @@ from skin_ident.criticism.search.absent import take_where_held
 from skin_ident.criticism.search.alone import take_alone
 from skin_ident.criticism.search.choosing import choose
 from skin_ident.criticism.search.growing import spared
+from skin_ident.criticism.search.lateness import settle_lateness
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import take_course
 from skin_ident.criticism.search.own_skin import (
@@ -64,7 +65,7 @@ def _round(search: Search) -> bool:
     search.begin_round()
     settle_skin(search)
     last = search.look()
-    if settle_zeros(search) or take_other_specimen(search):
+    if settle_zeros(search) or settle_lateness(search, last) or take_other_specimen(search):
         return True
     trials, runs = single_before_several(search, search.trials(last)), search.own_courses()
     of_trials = max((t.score for t in trials), default=0.0)

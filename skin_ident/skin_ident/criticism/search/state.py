@@ -87,6 +87,7 @@ class Search:
     alone: Run | None = None  # what was found to be wrong in held-out sessions alone
     own_skin: bool = False  # the skin may differ from session to session
     zeroed: int | None = None  # number of findings beside which zeros as good hardware leaves them were last asked for; None: none taken
+    late: tuple | None = None  # findings and baseline beside which the delay of the depth was last asked for (see `lateness`)
     zeros_of_held: dict[str, np.ndarray] = field(default_factory=dict)  # what these add to held-out sessions, (C, N) N by session
     refused: float = 0.0  # what the best cause would explain that was not believed in the last round
     wandering: float = 0.0  # the highest score in training of a course that then predicted nothing

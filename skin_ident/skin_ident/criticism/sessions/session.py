@@ -12,6 +12,7 @@ from skin_ident.criticism.sessions.load import load_of
 from skin_ident.criticism.vocabulary import Key
 from skin_ident.recordings.staircase import drawn_again
 from skin_models.dispersion import Dispersion
+from skin_models.effects.time_shift import TimeShift
 from skin_models.operators.lagging import lagged
 from skin_models.signals import Motion, motion
 
@@ -49,6 +50,7 @@ class Session:
     clipped: frozenset[str] = frozenset()  # channels whose record itself shows a ceiling
     heaviest: float = 0.0  # kg, upper bound of the model's mass, which is fitted, too; 0: the mass is held (see `search.weighing`)
     hung: float = 0.0  # kg, a mass that hangs on the load cell, whose inertia it feels while a tare took the weight away
+    late: float = 0.0  # s, by which depth acts later than it was read (see `search.lateness`); the motion is that of depth as it acts
     skin: Mapping[str, float] = field(default_factory=dict)  # factors on k1, b1, k2, b2 in this session (see `search.own_skin`)
     lacks: frozenset[Key] = frozenset()  # causes of the model, with places, that this session does not have (see `search.partly`)
     pinned: bool = False  # whether the shares are as `spread` says, and not fitted in each session (see `own_shares`)
@@ -83,9 +85,9 @@ class Session:
 
     def with_own_of(self, other: "Session") -> "Session":
         """The session with what was found to be particular to `other`, which has the same samples: its part beyond the model, a mass that
-        hangs, its shares, its skin, and the causes that it lacks."""
+        hangs, a depth that is late, its shares, its skin, and the causes that it lacks."""
         shares = {"spread": other.spread, "reference": other.reference}
-        return replace(self, beyond=other.beyond, hung=other.hung, skin=other.skin, lacks=other.lacks, **shares)
+        return replace(delayed(self, other.late), beyond=other.beyond, hung=other.hung, skin=other.skin, lacks=other.lacks, **shares)
 
 
 def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) -> Session:
@@ -141,6 +143,14 @@ def hung(sessions: list[Session], mass: float) -> list[Session]:
 def weighed_as(sessions: list[Session], other: Session) -> list[Session]:
     """The sessions with the mass as in another one: held, as an unknown, or hanging on the load cell."""
     return [replace(s, heaviest=other.heaviest, hung=other.hung) for s in sessions]
+
+
+def delayed(session: Session, time: float) -> Session:
+    """The session with depth that acts later by a `time`, s, than it was read."""
+    if time == session.late:
+        return session
+    x = TimeShift("clock_depth", delay=time - session.late).batch(session.motion.x, session.motion)
+    return replace(session, motion=session.motion.at_depth(x), late=time)
 
 
 def having_all(sessions: list[Session]) -> list[Session]:
