@@ -164,7 +164,7 @@ def test_a_tolerance_of_good_hardware_is_said_and_not_named():
     assert "0.5 µm" in said.because and "2.5 µm" in said.because
     assert hardware_is_off([PositionOffset("rig", offset=-5e-7)], replace(offset, after=0.0199)) is None
     assert "0.16 ms" in hardware_is_off([TimeShift("clock_depth", delay=-1.6e-4)], offset).because
-    assert hardware_is_off([TimeShift("clock_depth", delay=-3e-4)], offset) is None
+    assert hardware_is_off([TimeShift("clock_depth", delay=-4e-4)], offset) is None
 
 
 @pytest.mark.parametrize("holds", [1, 3, 12])
