@@ -137,10 +137,7 @@ def tare_does(largest: float, tare: Tare) -> NotNamed:
 
 def delay_does(late: float) -> NotNamed:
     """Why a delay of the depth, s, is no finding."""
-    off = f"the depth and the forces are apart by {_milliseconds(late)}"
-    return _usual(
-        f"{off}, but filters of good amplifiers, and converters that take turns, are late by up to {_milliseconds(PROMPT)}", SOONER
-    )
+    return _usual(f"the depth and the forces are apart by {_milliseconds(late)}, but {LATE.format(_milliseconds(PROMPT))}", SOONER)
 
 
 def specimens_do(largest: Mapping[str, float], lone: bool = False) -> NotNamed:

@@ -5,7 +5,9 @@ stand for it, beside what it is named for. So where it explains most of what the
 that late: it belongs to the baseline, as the zeros of tares do. It is asked for again beside whatever is named later.
 """
 
-from skin_ident.criticism.baseline.fitting import Fit, fit
+import numpy as np
+
+from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.search.hardware import delay_does
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import Survey
@@ -21,31 +23,22 @@ CHANGED = 2e-5  # s, change of the delay from which it is taken anew
 
 def settle_lateness(search: Search, last: Survey) -> bool:
     """Take the depth to be late, or late by another time, as far as good hardware is; return whether anything changed. It is asked for
-    once beside the same findings and the same baseline, where the survey `last` shows that it may explain enough."""
-    beside = len(search.named), search.zeroed, search.own_skin
-    if search.late == beside or search.present.model.having(LATE_DEPTH) or not _may_be(search, last):
+    once beside the same findings and the same baseline, where the survey `last` shows that it may explain enough. A delay that was taken
+    need not explain as much again."""
+    beside, taken = (len(search.named), search.zeroed, search.own_skin), search.train[0].late
+    least = -np.inf if taken else max(search.least(search.present.count), MOSTLY * last.ranked[0].score)
+    shown = max((r.gain for r in last.ranked if r.key == LATE_DEPTH), default=0.0)
+    if search.late == beside or shown <= least or search.present.model.having(LATE_DEPTH):
         return False
     search.late = beside
     found = fit(search.present.model.extended(TimeShift("clock_depth")), search.train, search.noise)
     number = len(found.model.effects) - 1
     changed, std = found.model.effects[number].delay, found.std.get(found.model.listed_as(number, "delay"), 0.0)
-    whole = search.train[0].late + changed
-    if abs(changed) < CHANGED or abs(whole) > PROMPT + SURE * std or not _explains(search, found, last):
+    whole = taken + changed
+    if abs(changed) < CHANGED or abs(whole) > PROMPT + SURE * std or found.score_over(search.present) <= least:
         return False
     search.train, search.held = ([delayed(s, whole) for s in sessions] for sessions in (search.train, search.held))
     search.present = fit(found.model.without(found.model.effects[number]), search.train, search.noise)
     search.tared[LATE_DEPTH] = delay_does(whole)
     search.progress("taking the depth to be as late as good hardware is")
     return True
-
-
-def _may_be(search: Search, last: Survey) -> bool:
-    """Whether a depth that is late may explain enough by the survey, or was taken to be late already."""
-    shown = next((r.gain for r in last.ranked if r.key == LATE_DEPTH), 0.0)
-    return search.train[0].late != 0.0 or shown > max(search.least(search.present.count), MOSTLY * last.ranked[0].score)
-
-
-def _explains(search: Search, found: Fit, last: Survey) -> bool:
-    """Whether a delay explains enough to matter, and most of what the best cause does. One that was taken need not do so again."""
-    score = found.score_over(search.present)
-    return search.train[0].late != 0.0 or score > max(search.least(found.count), MOSTLY * last.ranked[0].score)
