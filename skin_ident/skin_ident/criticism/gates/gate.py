@@ -133,10 +133,8 @@ def held_out_gain(
     """
     if held:
         return gain_of_residuals(*left_in_held(before, after, train, held, noise), held, noise, ", ".join(s.name for s in held))
-    if len(train) > 1:
-        pairs, said = in_turn(before, after, train, noise, refit_before), EACH_IN_TURN
-    else:
-        pairs, said = [(s, before, after) for s in train], "nothing: the only session was used to fit"
+    pairs = in_turn(before, after, train, noise, refit_before)
+    said = EACH_IN_TURN if len(train) > 1 else "nothing: the only session was used to fit"
     return gain_of_residuals(*left_by(pairs, noise), [s for s, _, _ in pairs], noise, said)
 
 
@@ -146,7 +144,9 @@ def left_in_held(before: Model, after: Model, train: list[Session], held: list[S
 
 
 def in_turn(before: Model, after: Model, train: list[Session], noise: Whitener, refit_before: Callable = fit) -> list[Asked]:
-    """Every training session, with both models fitted to the others."""
+    """Every training session, with both models fitted to the others; the only one with both as they are."""
+    if len(train) == 1:
+        return [(train[0], before, after)]
     return [(s, *refitted(before, after, rest, noise, refit_before)) for rest, s in (without(train, s) for s in train)]
 
 

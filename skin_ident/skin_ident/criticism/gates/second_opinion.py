@@ -72,10 +72,8 @@ def at_any_scale(before: Model, after: Model, train: list[Session], held: list[S
 
 
 def _asked(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> list[Asked]:
-    """The held-out sessions with both models; without any, training sessions in turn, or the only one."""
-    if held or len(train) == 1:
-        return [(s, before, after) for s in held or train]
-    return in_turn(before, after, train, noise)
+    """The held-out sessions with both models; without any, training sessions in turn."""
+    return [(s, before, after) for s in held] or in_turn(before, after, train, noise)
 
 
 def _names(asked: list[Asked]) -> str:
