@@ -238,10 +238,23 @@ def test_a_delay_and_a_skew_shift_a_line_exactly():
 def test_taxels_that_are_read_in_turn_are_each_later_than_the_one_before(per_taxel):
     s = at_times(np.zeros(200))
     t = np.arange(200) * s.dt
-    rows = np.stack([np.sin(3.0 * t), 2.0 * np.sin(3.0 * t), np.cos(5.0 * t)])
-    read = Scanning(where="clock_taxels", per_taxel=per_taxel).batch(rows, s)
-    for i, (row, late) in enumerate(zip(rows, read, strict=True)):
-        assert np.allclose(late, np.interp(t - i * per_taxel, t, row))
+    ways = [lambda t: np.sin(3.0 * t), lambda t: 2.0 * np.sin(3.0 * t), lambda t: np.cos(5.0 * t)]
+    read = Scanning(where="clock_taxels", per_taxel=per_taxel).batch(np.stack([way(t) for way in ways]), s)
+    for i, (way, late) in enumerate(zip(ways, read, strict=True)):
+        at = t - i * per_taxel
+        within = (at >= t[2]) & (at <= t[-3])  # four samples on the way itself
+        assert np.allclose(late[within], way(at[within]), atol=1e-8)
+        assert np.allclose(late[at < t[0] - s.dt], way(t[0])) and np.allclose(late[at > t[-1] + s.dt], way(t[-1]))
+
+
+@pytest.mark.parametrize("back", [-1.6, 0.3, 0.5, 1.5, 7.2])
+def test_a_delay_between_two_samples_is_no_filter(back):
+    s = at_times(np.zeros(200))
+    way = lambda t: np.sin(2.0 * np.pi * 5.0 * t)  # noqa: E731
+    t = np.arange(200) * s.dt
+    late = TimeShift(where="clock", delay=back * s.dt).batch(way(t), s)
+    within = (t - back * s.dt > 4.0 * s.dt) & (t - back * s.dt < t[-4])
+    assert np.abs(late - way(t - back * s.dt))[within].max() < 5e-4  # a straight line between samples takes up to 1.2 %
 
 
 def test_a_running_simulation_passes_an_early_channel_on():

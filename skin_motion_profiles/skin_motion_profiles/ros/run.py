@@ -32,7 +32,7 @@ _AT_REST = 1e-9  # m/s
 _CLEAR = 2e-3  # m, least retreat after an over-force: what was hit may lie above what is taken for the surface
 _LOOK = 0.02  # s between two looks at the driver; messages wake it earlier
 _HELD_UP = 0.5  # s; a look later than this means that this process itself stood still, longer than the driver has motion in hand
-_CATCH_UP = 0.3  # s, after that, to receive the messages that came meanwhile
+_CATCH_UP = 0.3  # s at least, after that, to receive the messages that came meanwhile
 
 _MEETING = 5.0  # s
 
@@ -195,9 +195,16 @@ class Run:
         came meanwhile, so that it does not call the driver silent."""
         self.link.news.wait(_LOOK)
         if time.monotonic() - self.looked > _HELD_UP:
-            time.sleep(_CATCH_UP)
+            self.catch_up()
         self.link.news.clear()
         self.looked = time.monotonic()
+
+    def catch_up(self) -> None:
+        """Receive what came while this process stood still: until encoder and load cell are heard again, as long as the driver may be silent."""
+        resumed = time.monotonic()
+        time.sleep(_CATCH_UP)
+        while self.link.silent(passed := time.monotonic() - resumed) and passed < self.watch.settings.feedback_timeout:
+            time.sleep(_LOOK)
 
     def come_to_rest(self, code: int) -> None:
         """Brake, then retract or hold. A driver that has stopped sees to that itself; where nothing of ours moves nothing is done."""
