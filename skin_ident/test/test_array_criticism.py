@@ -101,6 +101,18 @@ def test_beside_a_dead_taxel_the_others_are_judged(tmp_path, size, also):
     assert also or any(e["cause"] == "gain_error" and e.get("where") == "taxel_2" and "limited_by" in e for e in findings["excluded"])
 
 
+@pytest.mark.parametrize("step", [0.0, 0.01])
+def test_a_stuck_taxel_under_the_plunger_leaves_the_others_their_model(tmp_path, step):
+    """Its constant may move by a step of the converter from one session to the next: beside noise of nothing that is no error."""
+    recordings = record_at(tmp_path, ((0, 0), (2, 0), (-2, 0), (1, 0)), seed=2, careful=True, **SHORT)
+    nearest = int(np.argmax(recordings[0].taxels.std(axis=1)))
+    held = [np.where(np.arange(3)[:, None] == nearest, 4.78 + step * (i == 3), r.taxels) for i, r in enumerate(recordings)]
+    findings = found([replace(r, taxels=taxels) for r, taxels in zip(recordings, held, strict=True)])
+    force = findings["gain_by_channel"]["force"]
+    assert names(findings) == [("dead_taxel", f"taxel_{nearest}")] and findings["verdict"] == "explained"
+    assert force["held_out_rmse_before"] < 0.1 and force["held_out_rmse_after"] < 1.5 * force["noise_floor"] < 0.1
+
+
 @pytest.mark.parametrize(("times", "recognised"), [(2**-0.5, True), (0.6, False)])
 def test_a_standard_deviation_that_was_declared_as_the_width_is_recognised(tmp_path, times, recognised):
     recordings = record_at(tmp_path, (*ALONG, (2, 0)), seed=2, careful=True, **SHORT)

@@ -12,7 +12,7 @@ from skin_ident.criticism.baseline.residual import damping, placed, simulated, s
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.sessions.cutoff import Common, common_to
 from skin_ident.criticism.sessions.parting import meeting
-from skin_ident.criticism.sessions.session import Session, prepare, weighed_as, with_lines
+from skin_ident.criticism.sessions.session import Session, motion_under, prepare, weighed_as, with_lines
 from skin_ident.criticism.sessions.thinner import thinner
 from skin_ident.criticism.telemetry.ceiling import find_ceilings
 from skin_ident.criticism.telemetry.clock import find_clock_faults
@@ -64,9 +64,8 @@ class Inspected:
         A stuck channel keeps its constant reading."""
 
         def all_of(sessions: list[Session]) -> list[Session]:
-            answers = [np.array([c not in s.stuck for c in s.channels])[:, None] for s in sessions]
-            each = zip(sessions, beyond, weights, answers, strict=True)
-            return [replace(s, beyond=b * a, weight=s.weight * w) for s, b, w, a in each]
+            each = zip(sessions, beyond, weights, strict=True)
+            return [replace(s, beyond=b * s.answers[:, None], weight=s.weight * w) for s, b, w in each]
 
         return replace(self, sessions=all_of(self.sessions), whole=all_of(self.whole))
 
@@ -113,22 +112,24 @@ def _in_the_records(recordings: list) -> list[Symptom]:
 
 def _first_look(recordings: list, symptoms: list[Symptom], common: Common) -> tuple[list[Session], Model, list[np.ndarray]]:
     """The sessions without the samples that `symptoms` rule out, in their `common` band, a first model, and its prediction (C, N), N."""
-    sessions = [prepare(r, bad_samples(r, symptoms), common) for r in recordings]
+    stuck = _stuck(symptoms)
+    sessions = [replace(prepare(r, bad_samples(r, symptoms), common), stuck=stuck) for r in recordings]
     return sessions, *_first_fit(sessions)
 
 
 def _without(symptoms: tuple[Symptom, ...], recordings: list, common: Common, copies: tuple[str, ...]) -> Inspected:
     """The recordings as sessions without the samples that `symptoms` rule out. `copies` are taxels that repeat another one and count as
-    silent."""
+    silent. What is silent reads zero there: a constant that moves by one step of the converter from one session to the next would be an
+    enormous error beside noise of nothing."""
     clipped = [s for s in symptoms if s.cause == "saturation"]
     whole = [prepare(r, bad_samples(r, [s for s in symptoms if s not in clipped]), common) for r in recordings]
     lost = _given_up(symptoms, recordings)
-    stuck = _stuck(symptoms) | dict.fromkeys((*copies, *lost), 0.0)
+    stuck = dict.fromkeys((*_stuck(symptoms), *copies, *lost), 0.0)
     if not clipped and not stuck:
         return Inspected(symptoms, whole, whole)
     hard = frozenset(c for s in clipped if "lost" not in s.parameters for c in s.channels)
     believed = [s for s in symptoms if not set(s.channels) & set(lost)]
-    silent = [emptied(r, lost) for r in recordings]
+    silent = [emptied(r, tuple(stuck)) for r in recordings]
     searched = [replace(prepare(r, bad_samples(r, believed), common), stuck=stuck, clipped=hard) for r in silent]
     return Inspected(symptoms, searched, whole)
 
@@ -183,7 +184,7 @@ def _in_residuals(
     raw = [np.where(b, m, s.raw) for s, m, b in zip(sessions, predicted, wrong, strict=True)]
     rest = [y - m for y, m in zip(raw, predicted, strict=True)]
     channels, n, dt = sessions[0].channels, sessions[0].n_taxels, recordings[0].dt
-    jumps = [meeting(s.motion, first.dispersion) for s in sessions]
+    jumps = [meeting(motion_under(s, first.dispersion), first.dispersion) for s in sessions]
     names = [s.name for s in sessions]
     steps = tuple(np.max([s.steps for s in sessions], axis=0))
     said = [Said(r.name, e, y, j, r.depth, r) for r, e, y, j in zip(recordings, rest, raw, jumps, strict=True)]

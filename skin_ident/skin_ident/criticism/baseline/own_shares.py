@@ -47,4 +47,4 @@ def regression(rows: np.ndarray, Y: np.ndarray, w: np.ndarray) -> np.ndarray:
 
 def kept(session: Session) -> np.ndarray:
     """Mask (T,) of taxels whose share stays as `spread` says: the reference, and stuck ones."""
-    return np.array([i == session.reference or f"taxel_{i}" in session.stuck for i in range(session.n_taxels)])
+    return ~session.answers[session.taxel_rows] | (np.arange(session.n_taxels) == session.reference)

@@ -43,7 +43,7 @@ def _under_spread(sessions: list[Session]) -> np.ndarray:
     rows, loads = [], []
     for s in sessions:
         H = s.band.thin(np.array([s.motion.v, s.motion.x]) * (s.motion.x > 0))
-        w = s.weight[s.taxel_rows]
+        w = (s.weight * s.answers[:, None])[s.taxel_rows]
         rows.append((s.spread[:, None, None] * H.T * w[..., None]).reshape(-1, 2))
         loads.append((s.measured[s.taxel_rows] * w).ravel())
     return np.linalg.lstsq(np.concatenate(rows), np.concatenate(loads), rcond=None)[0]
@@ -73,7 +73,7 @@ def _under_recovery(sessions: list[Session], tau: float) -> tuple[float, float, 
         moved = motion_under(s, of_recovery(tau))
         H = s.band.thin(np.array([moved.x, moved.v]))
         shares = np.ones(len(rows)) if s.spread is None else s.spread
-        for taxel, share, y, w in zip(rows, shares, s.measured, s.weight, strict=True):
+        for taxel, share, y, w in zip(rows, shares, s.measured, s.weight * s.answers[:, None], strict=True):
             seen = np.vstack([share * H, y])[:, w > 0.0]
             taxel.append(seen - seen.mean(axis=1, keepdims=True) if seen.size else seen)
     every = [np.concatenate(taxel, axis=1) for taxel in rows]

@@ -30,6 +30,7 @@ ORDERS = (8, 4, 2)  # orders p of the filters, the highest that the data bear is
 PER_COEFFICIENT = 10  # fewest samples for each fitted coefficient
 EVERY = np.pi * (np.arange(4096) + 0.5) / 4096  # radians a sample, the frequencies at which spectra are averaged
 AT_ONCE = 32  # rows that are whitened together: more do not fit into a processor's cache
+SILENT = 0.01  # N, noise of a channel that leaves no residual at all
 FLOOR = 1e-4  # share of the variance that is added as white noise, so that whitening does not blow up the band's stop band
 
 
@@ -183,12 +184,14 @@ def fit_whitener(
 
 
 def _root(w: np.ndarray) -> np.ndarray:
-    """Lower Cholesky factor (C, C) of the covariance of innovations (C, n); samples that are zero in all channels do not count. A constant
-    channel gets a tiny variance so that nothing divides by zero."""
+    """Lower Cholesky factor (C, C) of the covariance of innovations (C, n); samples that are zero in all channels do not count. A channel
+    without any residual, which is a silent one, is taken to have noise of `SILENT`: with none, all others would weigh nothing beside it
+    wherever it does not read what it did."""
     used = np.any(w != 0.0, axis=0)
     covariance = np.atleast_2d(w[:, used] @ w[:, used].T / max(used.sum(), 1))
-    tiny = np.diag(np.full(len(w), 1e-18) + 1e-6 * np.diag(covariance))
-    return np.linalg.cholesky(covariance + tiny)
+    power = np.diag(covariance)
+    added = np.where(power > 0.0, 1e-18 + 1e-6 * power, SILENT**2)
+    return np.linalg.cholesky(covariance + np.diag(added))
 
 
 def with_growth(steady: Whitener, residuals: list[np.ndarray], sessions: list[Channels], taken: np.ndarray | None = None) -> Whitener:

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from skin_ident.criticism.baseline.comparing import comparable
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.start import dispersion_start
@@ -19,10 +20,7 @@ from skin_ident.criticism.search.search import eliminate, run
 from skin_ident.criticism.search.state import MOST_FINDINGS, Progress, Search
 from skin_ident.criticism.search.survey import noise_beside
 from skin_ident.criticism.search.weighing import unweigh, weighs_as_skin
-from skin_ident.criticism.sessions.beginning import at_rest
-from skin_ident.criticism.sessions.parting import moved, without_meeting_at, without_parting
 from skin_ident.criticism.sessions.session import Session, longest, weighed_as
-from skin_ident.criticism.sessions.surface import surface_of
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.usable import enough_is_compared
 from skin_ident.criticism.vocabulary import Key
@@ -47,7 +45,8 @@ def criticise(
     is the number of rounds at most. Raises `DiagnosisError` where too little of the sessions can be compared."""
     progress("fitting the baseline")
     start = given or dispersion_start(train, mass)
-    train, held = _compared(train, held, start, mass)
+    train, held = comparable(train, held, start, start)
+    enough_is_compared(train, held)
     every = (*directions(longest(train)), *more)
     noise = noise_beside(start, train, _asked(every, set()))
     fitted = fit(start, train, noise)
@@ -104,19 +103,6 @@ def _in_whose_place(search: Search) -> set[Key]:
         first = next((i for i, r in enumerate(survey.ranked) if r.cause == cause), 0)
         places |= {r.key for r in survey.ranked[:first]}
     return places
-
-
-def _compared(train: list[Session], held: list[Session], start: Model, mass: float) -> tuple[list[Session], list[Session]]:
-    """The sessions without what cannot be compared: moments when the plunger may have left the skin of a model; where the surface may lie
-    elsewhere than declared, moments when the plunger may have met or left it there; and beginnings at which the skin is not yet at rest.
-    Raises `DiagnosisError` where too little remains."""
-    surface = surface_of(train)
-    there = dispersion_start([moved(s, surface) for s in train], mass).dispersion if surface else None
-    train, held = ([at_rest(without_parting(s, start.dispersion), start) for s in sessions] for sessions in (train, held))
-    if there:
-        train, held = ([without_meeting_at(s, surface, there) for s in sessions] for sessions in (train, held))
-    enough_is_compared(train, held)
-    return train, held
 
 
 def _name_all(search: Search) -> None:

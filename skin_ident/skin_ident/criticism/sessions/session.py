@@ -1,6 +1,6 @@
 """A recording prepared for comparison: motion for the simulation, measured channels in the common band."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -68,6 +68,11 @@ class Session:
         """The rows of `measured` that are taxels: the last ones, or none."""
         return slice(len(self.channels) - self.n_taxels, None)
 
+    @cached_property
+    def answers(self) -> np.ndarray:
+        """Mask (C,) of the channels that are not stuck."""
+        return np.array([c not in self.stuck for c in self.channels])
+
     @property
     def seconds(self) -> float:
         """Trusted duration, s, of the channel that has the longest."""
@@ -122,12 +127,20 @@ def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) ->
 
 
 def with_reference(sessions: list[Session]) -> list[Session]:
-    """The sessions with the taxel of the largest share as reference, set in the session where it occurs, if all have shares of their own;
-    else unchanged."""
+    """The sessions with the taxel of the largest share as reference, of those that answer, set in the session where it occurs, if all have
+    shares of their own; else unchanged."""
     if any(s.spread is None for s in sessions):
         return sessions
-    first = max(range(len(sessions)), key=lambda i: sessions[i].spread.max())
-    return [replace(s, reference=int(np.argmax(s.spread)) if i == first else None) for i, s in enumerate(sessions)]
+    shares = [s.spread * s.answers[s.taxel_rows] for s in sessions]
+    first = max(range(len(sessions)), key=lambda i: shares[i].max())
+    return [replace(s, reference=int(np.argmax(y)) if i == first else None) for i, (s, y) in enumerate(zip(sessions, shares, strict=True))]
+
+
+def silenced(session: Session, channels: Iterable[str]) -> Session:
+    """The session in which these channels are stuck at zero."""
+    stuck = dict.fromkeys(channels, 0.0)
+    own = np.array([c in stuck for c in session.channels])
+    return replace(session, measured=np.where(own[:, None], 0.0, session.measured), stuck=stuck) if stuck else session
 
 
 def weighed(sessions: list[Session], heaviest: float = np.inf) -> list[Session]:

@@ -11,15 +11,14 @@ from typing import Any
 
 import numpy as np
 
+from skin_ident.criticism.baseline.comparing import comparable
 from skin_ident.criticism.baseline.fitting import ITERATIONS, Fit, fit
 from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.gates.gate import EACH_IN_TURN, FOLD_ITERATIONS, rmse_fall
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.named import Criticism
-from skin_ident.criticism.sessions.beginning import at_rest
-from skin_ident.criticism.sessions.parting import without_parting
-from skin_ident.criticism.sessions.session import Session, with_reference
+from skin_ident.criticism.sessions.session import Session, silenced, with_reference
 from skin_ident.criticism.telemetry.faults import PREDICTS, effect_of, effects_of, with_effects
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_models.model import Model
@@ -52,23 +51,22 @@ def judge(c: Criticism, symptoms: tuple[Symptom, ...], whole: tuple[list[Session
 
 
 def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Session]], given: Model | None) -> Criticism:
-    """The criticism with `effects` of faults in its extended model, and a baseline fitted to all samples."""
+    """The criticism with `effects` of faults in its models, and a baseline fitted to all samples of the channels that answer: silent ones
+    had no noise by which others could be weighed against them."""
     plain, model = c.baseline.model, c.extended.model
     start = given or replace(dispersion_start(whole[0], plain.dispersion.m), effects=plain.effects)
     silent = {channel: 0.0 for channel in c.train[0].stuck if _reads_nothing(channel, whole[0])}
     both = [
-        [
-            replace(at_rest(without_parting(s, start.dispersion), model), skin=c.skin_before(own), stuck=silent)
-            for s, own in zip(*pair, strict=True)
-        ]
-        for pair in zip(whole, (c.train, c.held), strict=True)
+        [replace(s, skin=c.skin_before(own), stuck=silent) for s, own in zip(*pair, strict=True)]
+        for pair in zip(comparable(*whole, start, model), (c.train, c.held), strict=True)
     ]
-    baseline = fit(start, both[0], c.last.noise, 0 if given else ITERATIONS)
+    baseline = fit(start, [silenced(s, c.train[0].stuck) for s in both[0]], c.last.noise, 0 if given else ITERATIONS)
     train, held = ([s.with_own_of(own) for s, own in zip(*pair, strict=True)] for pair in zip(both, (c.train, c.held), strict=True))
     model = with_effects(model, effects)
     for e in (e for e in effects if e.cause == "quantization"):
         model = _better(model.without(e), model, train)
-    return replace(c, baseline=baseline, extended=replace(c.extended, model=model), train=tuple(train), held=tuple(held))
+    last = replace(c.last, model=with_effects(c.last.model, [e for e in effects if e in model.effects]), kept={})
+    return replace(c, baseline=baseline, extended=replace(c.extended, model=model), last=last, train=tuple(train), held=tuple(held))
 
 
 def _reads_nothing(channel: str, sessions: list[Session]) -> bool:
