@@ -88,6 +88,21 @@ def test_a_buffer_that_slips_is_late_in_steps(tmp_path, seed, protocol, late_s):
     assert all("ms at" in words for words in found["evidence"]["of_each_session"].values())
 
 
+@pytest.mark.parametrize("seed", rows([61, 62], 1))
+def test_where_two_sessions_are_all_a_gain_that_steps_is_told_beside_another_skin(tmp_path, seed):
+    """The skin of the held-out session is 3 % softer, as two gains would be; half a percent of the load cell's steps away."""
+    made, _ = make_sessions(None, seed=seed, n_sessions=2, n_taxels=1, noise="white", protocol="full")
+    softer = [1.0, 0.97]
+    stepped = [1.0 + 0.005 * (s.t > np.quantile(s.t, 0.4)) for s in made]
+    each = zip(made, softer, stepped, strict=True)
+    write_case([replace(s, force=s.force * soft * step, taxels=s.taxels * soft) for s, soft, step in each], tmp_path)
+    recordings = load(tmp_path)
+    findings = diagnose(recordings[:1], recordings[1:]).findings
+    assert [(f["cause"], f["where"]) for f in findings["findings"]] == [("gain_error", "load_cell")]
+    values = [abs(q["value"]) for own in findings["findings"][0]["evidence"]["sessions"].values() for q in own]
+    assert max(values) < 0.01 and ("parameters", "skin") in {(u["cause"], u.get("where")) for u in findings["untestable"]}
+
+
 @pytest.mark.parametrize("late_s", rows([0.006, 0.015], 1))
 def test_a_clock_that_wanders_is_late_by_so_much_in_turn(tmp_path, late_s):
     """Damping takes the mean of the delay, up to all that there is; what is left steps nowhere."""

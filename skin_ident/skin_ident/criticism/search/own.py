@@ -9,23 +9,28 @@ from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.courses.carriers import DELAY, DEPTH, SLOPE, ZERO
 from skin_ident.criticism.courses.course import added, fitted
 from skin_ident.criticism.courses.gate import believed, course_gain, helps, stands
-from skin_ident.criticism.courses.kinds import STEPS
+from skin_ident.criticism.courses.kinds import STEPS, WAVE
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.another_skin import with_own_skin
 from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.gates.second_opinion import may_be_another_skin
 from skin_ident.criticism.gates.uncertain import left_open
+from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.doubt import unproven, wandering
 from skin_ident.criticism.search.hardware import tare_does
 from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.own_skin import too_few_for_a_pattern
 from skin_ident.criticism.search.rivals import Rival, own_rivals, reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.tared import take_zeros, taken_off, untared
 from skin_ident.criticism.search.trial import Trial
+from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.vocabulary import Key
 from skin_models.model import Model
 
 SEARCHED = 1.5  # times the least gain worth naming, which a course must explain whose moments are searched for
 AT_ONCE_S = 0.3  # s; the most that is explained within one window so long does not count for a searched course
+UNREAD = 0.5  # of the encoder's step, by which a change of a depth is not sure to be read
 MOSTLY = 0.8  # share of a course's score above which what is the same in all sessions counts as most of it
 
 
@@ -45,6 +50,7 @@ def own_course(search: Search, run: Run, runs: list[Run], trials: list[Trial]) -
     near = reach(_alike_in_all(run, trials, score))
     rivals = tuple(Rival(*t.key, score - t.score) for t in trials if t.score > near and t.key[0] != run.course.cause)
     rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
+    rivals += _of_other_channels(search, run, runs, {r.key for r in rivals})
     searched = run.course.shape == STEPS or run.course.carrier == SLOPE  # moments are searched for, and some are found in any noise
     least = SEARCHED * search.least(after.count)
     told = score - _at_once(run, search) > least if searched else score > _of_wandering(run, search.least(after.count))
@@ -60,16 +66,32 @@ def own_course(search: Search, run: Run, runs: list[Run], trials: list[Trial]) -
     return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)
 
 
+def _of_other_channels(search: Search, run: Run, runs: list[Run], told: set[Key]) -> tuple[Rival, ...]:
+    """The opposite gain of the load cell, of a gain that all taxels have, and the reverse. The channels alone show only that they have come
+    apart; which of them has changed, the depth must tell, and a change by less than half a step of the encoder is none to be sure of."""
+    other = {"taxel": "load_cell", "load_cell": "taxel"}.get(run.course.where)
+    deepest = max(float(s.motion.x.max()) for s in search.train)
+    if run.course.carrier != SLOPE or run.largest * deepest > UNREAD * search.encoder_step:
+        return ()
+    others = [r for r in runs if r.course.carrier == SLOPE and r.course.where == other and r.course.key not in told]
+    return tuple(Rival(*r.course.key, run.score - r.score) for r in others[:1])
+
+
 def _gain_of(search: Search, run: Run, before: Model, after: Model) -> Gain:
     """Gain of a course beside `after` over `before`, under noise that is fitted beside the course: the search's own noise model has taken
-    the course for noise as well. Another skin in a held-out session looks like another zero of depth, which must therefore gain beside
-    that."""
+    the course for noise as well."""
     noise = grown_noise_of(after, added(search.train, run.values))
     having = [s for s in search.train if np.any(run.values[s.name])]
-    held = search.held
-    if held and run.course.carrier == DEPTH and may_be_another_skin(before, held):
-        held = [with_own_skin(before, s, noise) for s in held]
-    return course_gain(run.course, before, after, search.train, held, noise, having)
+    return course_gain(run.course, before, after, search.train, _of_any_skin(search, run, before, search.held, noise), noise, having)
+
+
+def _of_any_skin(search: Search, run: Run, model: Model, held: list[Session], noise: Whitener) -> list[Session]:
+    """The held-out sessions as a course is compared in them. Another skin looks like another zero of depth, and where few sessions were
+    fitted, like another gain: there it is another skin that they have, and a course must gain, and is fitted, beside that."""
+    like_skin = run.course.carrier == DEPTH or (run.course.carrier == SLOPE and too_few_for_a_pattern(search.train))
+    if not (like_skin and held and may_be_another_skin(model, held)):
+        return held
+    return [with_own_skin(model, s, noise) for s in held]
 
 
 def _of_wandering(run: Run, least: float) -> float:
@@ -115,7 +137,8 @@ def take_course(search: Search, run: Run, finding: Named) -> None:
     search.present = fit(model, train, search.noise)
     held = untared(search)
     free = left_open(search.present.model, train, held, noise)
-    other = fitted(run.course, search.present.model, held, noise, free) if held else None
+    compared = _of_any_skin(search, run, search.present.model, held, noise)
+    other = fitted(run.course, search.present.model, compared, noise, free) if held else None
     run = replace(run, of_held=other.values if other else {})
     search.runs.append(run)
     search.train, search.held = train, added(held, run.of_held) if other else held
@@ -129,7 +152,7 @@ def take_course(search: Search, run: Run, finding: Named) -> None:
 def drop_gain(search: Search) -> bool:
     """Take out a gain of single sessions that was named before zeros as tares leave them were taken, where these explain as much in its
     place: a channel whose zero is off reads a wrong share of the force. Return whether one was taken out."""
-    gains = [r for r in search.runs if r.course.carrier == SLOPE and r is not search.alone]
+    gains = [r for r in search.runs if r.course.carrier == SLOPE and r.course.shape != WAVE and r is not search.alone]
     return search.zeroed is not None and any(_dropped(search, run) for run in gains)
 
 
@@ -144,7 +167,7 @@ def _dropped(search: Search, run: Run) -> bool:
     search.train, search.held, search.present = ahead.train, ahead.held, ahead.present
     search.tared, search.zeros_of_held = ahead.tared, ahead.zeros_of_held
     search.runs = [r for r in search.runs if r is not run]
-    search.named = [n for n in search.named if n.key != run.course.key]
+    search.named = [n for n in search.named if n.key != run.course.key or not run.said.items() <= n.courses.items()]
     return True
 
 
