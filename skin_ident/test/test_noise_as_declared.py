@@ -19,12 +19,12 @@ def wandering(rng, pole: float, level: float = LEVEL) -> np.ndarray:
     return lfilter([level * np.sqrt(1.0 - pole**2)], [1.0, -pole], rng.standard_normal(T.size + 2000))[2000:]
 
 
-def told(noise: list[np.ndarray], load: np.ndarray = LOAD) -> list[tuple[str, str]]:
-    """Where and in what the noise (N,) of the four channels is not as declared."""
+def told(noise: list[np.ndarray], load: np.ndarray = LOAD, unread: float = 0.0) -> list[tuple[str, str]]:
+    """Where and in what the noise (N,) of the four channels is not as declared. `unread` N is the simulation's error from the depth."""
     declared = Declared(force_noise_n=LEVEL, taxel_noise_n=(LEVEL,))
     y = load + noise
     r = Recording("a", T, 1e-3 * np.sin(0.5 * T), y[0], y[1:], declared=declared)
-    found = find_noise([r], CHANNELS, [y - load], [np.ones(y.shape, bool)], lambda: np.zeros(4))
+    found = find_noise([r], CHANNELS, [y - load], [np.ones(y.shape, bool)], lambda: np.full(4, unread))
     return [(s.where, s.evidence["kind"]) for s in found]
 
 
@@ -58,6 +58,29 @@ def test_a_slow_part_beside_white_noise_is_odd_where_it_is_there_in_the_air(whit
     noise = [LEVEL * rng.standard_normal(T.size) for _ in range(4)]
     noise[odd] = white * noise[odd] + wandering(rng, 0.98, slow * LEVEL) * (True if everywhere else LOAD[odd] > 0.0)
     assert told(noise) == [("load_cell" if odd == 0 else f"taxel_{odd - 1}", "correlation")] * is_told
+
+
+@pytest.mark.parametrize("odd", range(4))
+@pytest.mark.parametrize(("times", "is_told"), [(2.2, True), (1.2, False)])
+def test_what_steps_of_the_encoder_drown_under_load_is_heard_in_the_air(odd, times, is_told):
+    rng = np.random.default_rng(21)
+    drowning = 4.0 * LEVEL * rng.standard_normal(T.size) * (LOAD > 0.0)
+    noise = LEVEL * rng.standard_normal((4, T.size))
+    noise[odd] *= times
+    assert told(list(noise + drowning), unread=4.0 * LEVEL) == [("load_cell" if odd == 0 else f"taxel_{odd - 1}", "level")] * is_told
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(("way", "is_told"), [("wander", True), ("trend", False), ("under load", False), ("in all", False)])
+def test_noise_that_wanders_over_seconds_is_odd_unless_it_may_be_drift_or_the_models_error(way, is_told, seed):
+    rng = np.random.default_rng(30 + seed)
+    noise, slow = LEVEL * rng.standard_normal((4, T.size)), wandering(rng, 0.998, 2.0 * LEVEL)
+    if way == "in all":
+        noise += np.stack([wandering(rng, 0.998, 2.0 * LEVEL) for _ in CHANNELS])
+        assert ("taxel_1", "slow") not in told(list(noise))
+        return
+    noise[2] += 4.0 * LEVEL * (T / T[-1] - 0.5) if way == "trend" else slow * (LOAD[2] > 0.0) if way == "under load" else slow
+    assert ("taxel_1" in dict(told(list(noise)))) is is_told
 
 
 @pytest.mark.parametrize("odd", range(4))

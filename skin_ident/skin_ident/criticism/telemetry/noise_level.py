@@ -13,13 +13,12 @@ truly and still wander. So colour and growth are compared with those of the othe
 is unlike most of them. So is one whose noise is louder than declared by a slow part that theirs lack (see `slow_part`), also in the air,
 where no model is at fault.
 
-An encoder error as large as the declared noise makes any noise coloured and load-dependent; then only the level is judged. Noise read
-through steps as wide as itself shows now as nothing, now as a whole step; then only a level that is too high counts.
+An encoder error as large as the declared noise makes any noise coloured and load-dependent; then only the level is judged, and everything
+once more in the air, where errors of the depth do nothing. Noise read through steps as wide as itself shows now as nothing, now as a whole
+step; then only a level that is too high counts.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -29,7 +28,8 @@ from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.sessions.read_again import read_again
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.as_read import calm_lines
-from skin_ident.criticism.telemetry.slow_part import AVERAGED_S, SlowPart, slow_part
+from skin_ident.criticism.telemetry.noise_look import FEWEST, SLOW, Look, spread
+from skin_ident.criticism.telemetry.slow_part import AVERAGED_S
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_models.model import Model
 
@@ -39,18 +39,15 @@ LOUDER = 1.35  # factor from which it is too loud where others are as declared
 # Correlation of neighbouring samples above which a channel is odd, if that of the others is below the second. An amplifier's own low-pass
 # makes as much as 0.8.
 COLOURED, WHITE = 0.88, 0.25
-SLOW, SLOW_IN_AIR = 0.6, 0.5  # rms of the slow part over the expected noise, everywhere and in the air, from which a channel is odd,
 QUICK = 0.25  # if that of the others is below this
-LOUDER_SLOWLY = 1.2  # times the expected noise, which it must reach with its slow part
-IN_AIR = 0.1  # of the expected noise, below which a simulated load is none
+SWAYS, RESTS = 1.4, 1.1  # times the expected noise with its slow part: a channel is odd above the first, if the others are below the second
 GROWN, STEADY = 1.6, 1.25  # growth with the load: a channel is odd above the first, if that of the others is below the second
-BURIED = 0.5  # rms of rounding over declared noise, from which the noise is buried: steps 1.7 times as wide as it
 NOISE_SEEN = (
     f"looked for and not seen: found where it is {OTHER_LEVEL:g} times as large as declared or more, or so much smaller; and where, in "
     f"one channel and not in another, it is {LOUDER:g} times as large, neighbouring samples are alike (correlation above {COLOURED:g}), a "
-    f"slow part beside it has {SLOW:g} times its size, or a load makes it {GROWN:g} times as large"
+    f"slow part beside it has {SLOW:g} times its size or makes it {SWAYS:g} times as large, or a load makes it {GROWN:g} times as large"
 )
-FEWEST = 300  # samples that a verdict needs
+SWAYING, REPEATED = "slow", "minutes in the air, twice: a drift comes back alike, or goes on, and noise does neither"
 AROUND_S = 0.3  # s around a sample in which the plunger's greatest speed counts
 SEED = 0  # any fixed number, so that the same record gives the same result
 
@@ -68,28 +65,29 @@ def find_noise(
     looks = [_looked(channels[c], c, level, errors[c], recordings, residuals, believed) for c, level in levels.items()]
     found = []
     for look in looks:
-        why = _unlike(look, [other for other in looks if other is not look])
+        others = [other for other in looks if other is not look]
+        why = _unlike(look, others) or (_unlike(look.in_air, [other.in_air for other in others]) if look.is_drowned else None)
         if why:
             kind, sentence, parameters = why
             text, where = f"the noise of {look.channel} {sentence}", sensor_of(look.channel, len(recordings[0].taxels))
-            found.append(Symptom("noise", where, (look.channel,), parameters, {"why": text, "kind": kind}))
+            rivals = {"alternatives": (("drift", where),), "apart": REPEATED} if kind == SWAYING else {}
+            found.append(Symptom("noise", where, (look.channel,), parameters, {"why": text, "kind": kind}, **rivals))
     return found
 
 
 def _looked(
     channel: str, c: int, level: float, error: float, recordings: list, residuals: list[np.ndarray], believed: list[np.ndarray]
-) -> "_Look":
+) -> Look:
     """The noise of row `c` of the residuals, at the channel's own readings; `error` is the rms error, N, of the simulation from the driving
     signal."""
     lines = calm_lines(channel, c, recordings, residuals, [b[c] for b in believed])
     periods = [r.dt if line.own is None else line.own.period for line, r in zip(lines, recordings, strict=True)]
     step = max(r.step(channel) or 0.0 for r in recordings)
-    calm = [~line.jumps for line in lines]
-    whole = np.concatenate([line.e[b] - line.e[b].mean() if b.any() else line.e[b] for line, b in zip(lines, calm, strict=True)])
+    calm, whole = [~line.jumps for line in lines], [line.e for line in lines]
     rows = [_quick(line.e, period) for line, period in zip(lines, periods, strict=True)]
     loads = [line.y - line.e for line in lines]
     steps, period = np.array([step / np.sqrt(12.0), error]), float(np.median(periods))
-    return _Look(channel, level, steps, rows, loads, calm, period, _spread(whole) if whole.size else 0.0)
+    return Look(channel, level, steps, rows, whole, loads, calm, period)
 
 
 def at_leisure(s: Session) -> np.ndarray:
@@ -108,7 +106,7 @@ def by_drive(
     rng, steps = np.random.default_rng(SEED), [_encoder_step(r) / np.sqrt(12.0) for r in recordings]
     again = [read_again(s, _unread(s, step) * rng.standard_normal(len(s.motion))) for s, step in zip(sessions, steps, strict=True)]
     changes = [(simulated(model, b) - simulated(model, a))[:, calm] for a, b, calm in zip(sessions, again, believed, strict=True)]
-    unread = np.array([_spread(row) if row.size else 0.0 for row in np.concatenate(changes, axis=1)])
+    unread = np.array([spread(row) if row.size else 0.0 for row in np.concatenate(changes, axis=1)])
     rows = [np.array([_quick(row, r.dt)[calm] for row in e]) for e, r, calm in zip(residuals, recordings, believed, strict=True)]
     return _with_shared(unread, np.concatenate(rows, axis=1))
 
@@ -129,116 +127,10 @@ def _with_shared(unread: np.ndarray, e: np.ndarray) -> np.ndarray:
     return np.sqrt(np.maximum(unread**2, [np.median(row[other]) for row, other in zip(shared, others, strict=True)]))
 
 
-@dataclass(frozen=True)
-class _Look:
-    """The noise of a channel: its declared `level`, and what `steps` of the converter and of the encoder add, N. For every session: the
-    residual less its running median (`rows`), the simulated `loads` (not readings, which contain the noise), and masks of the samples to
-    use (`believed`). `period` is that of the samples, s, the median over sessions; `slow` is the spread of the residual including its slow
-    part, N."""
-
-    channel: str
-    level: float
-    steps: np.ndarray
-    rows: list[np.ndarray]
-    loads: list[np.ndarray]
-    believed: list[np.ndarray]
-    period: float
-    slow: float
-
-    @cached_property
-    def e(self) -> np.ndarray:
-        """The noise at all samples to be used (n,), N."""
-        return np.concatenate([row[b] for row, b in zip(self.rows, self.believed, strict=True)])
-
-    @cached_property
-    def expected(self) -> float:
-        """Expected spread, N, from what is declared, steps and encoder."""
-        return float(np.hypot(self.level, np.hypot(*self.steps)))
-
-    @cached_property
-    def times_expected(self) -> float:
-        """Ratio of the spread to the expected one."""
-        return _spread(self.e) / self.expected
-
-    @property
-    def is_buried(self) -> bool:
-        """Whether rounding to the converter's steps hides the noise."""
-        return bool(self.steps[0] >= BURIED * self.level)
-
-    @property
-    def is_its_own(self) -> bool:
-        """Whether the noise is mostly the channel's own: neither buried in steps nor mostly encoder errors, which are coloured and grow
-        with the load."""
-        return not self.is_buried and bool(self.steps[1] < 0.5 * self.level) and self.e.size >= FEWEST
-
-    @property
-    def declared(self) -> str:
-        """The declaration, in words."""
-        return f"rig.yaml declares noise of {self.level:.3g} N"
-
-    @cached_property
-    def colour(self) -> float:
-        """Correlation of neighbouring samples, median over sessions."""
-        return float(np.median([_neighbours(row, b) for row, b in zip(self.rows, self.believed, strict=True)]))
-
-    @cached_property
-    def slow_part(self) -> SlowPart | None:
-        """The slow part of the noise at all samples to be used."""
-        return slow_part(self.rows, self.believed, self.period)
-
-    @cached_property
-    def slow_in_air(self) -> SlowPart | None:
-        """The same without load."""
-        return slow_part(
-            self.rows, [b & (np.abs(y) < IN_AIR * self.expected) for y, b in zip(self.loads, self.believed, strict=True)], self.period
-        )
-
-    @property
-    def is_slow_in_part(self) -> bool:
-        """Whether the noise is louder than declared, and much of it slow, in the air as well: slower than an amplifier's low-pass."""
-        everywhere, air = self.slow_part, self.slow_in_air
-        much = bool(everywhere and air and everywhere.rms > SLOW * self.expected and air.rms > SLOW_IN_AIR * self.expected)
-        return much and everywhere.tau > AVERAGED_S and self.slow > LOUDER_SLOWLY * self.expected
-
-    @cached_property
-    def idle_and_loaded(self) -> tuple[float, float, float]:
-        """Spread under the lowest third of loads and under the highest, and the mean magnitude of the latter, N; zeros where the loads
-        hardly differ."""
-        y = np.concatenate([load[b] for load, b in zip(self.loads, self.believed, strict=True)])
-        low, high = np.percentile(y, [33.0, 67.0])
-        if high <= low + self.expected:
-            return 0.0, 0.0, 0.0
-        most = y >= high
-        return max(_spread(self.e[y <= low]), 0.5 * self.expected), _spread(self.e[most]), max(float(np.mean(np.abs(y[most]))), 1e-9)
-
-    @property
-    def times_under_load(self) -> float:
-        """Ratio of the spread under the greatest loads to that under the least."""
-        idle, loaded, _ = self.idle_and_loaded
-        return loaded / idle if idle else 1.0
-
-    @property
-    def times_expected_idle(self) -> float:
-        """`times_expected` of the third of the samples with the least load; of all where the loads hardly differ."""
-        idle, _, _ = self.idle_and_loaded
-        return idle / self.expected if idle else self.times_expected
-
-    @property
-    def growth(self) -> float:
-        """By how much the noise grows with the load, a share s of it: loaded^2 = idle^2 + (s load)^2."""
-        idle, loaded, load = self.idle_and_loaded
-        return float(np.sqrt(max(loaded**2 - idle**2, 0.0)) / load) if load else 0.0
-
-    def would_grow(self, share: float) -> float:
-        """What `times_under_load` would be if the noise grew by this share of the load: 1 where there is hardly any load."""
-        idle, _, load = self.idle_and_loaded
-        return float(np.hypot(1.0, share * load / idle)) if idle else 1.0
-
-
 _Unlike = tuple[str, str, dict[str, dict[str, Any]]]  # kind, sentence and numbers of a finding
 
 
-def _unlike(look: _Look, others: list[_Look]) -> _Unlike | None:
+def _unlike(look: Look, others: list[Look]) -> _Unlike | None:
     """The first respect in which the noise differs from its declaration, or from that of most `others` with a declared level."""
     if look.e.size < FEWEST:
         return None
@@ -248,6 +140,7 @@ def _unlike(look: _Look, others: list[_Look]) -> _Unlike | None:
     slow_of_others = [o.slow_part.rms / o.expected for o in peers if o.slow_part]
     wanders = bool(peers) and look.colour > COLOURED and np.median([o.colour for o in peers]) < WHITE
     is_slow = look.is_slow_in_part and bool(slow_of_others) and np.median(slow_of_others) < QUICK
+    sways = look.sways > SWAYS and bool(others) and np.median([o.sways or np.inf for o in others]) < RESTS
     as_declared = bool(peers) and np.median([o.times_expected for o in peers]) < look.times_expected / LOUDER
     alone = as_declared and look.times_expected_idle > LOUDER  # not because it alone carries the load
     louder = LOUDER if alone or _most_are_too_loud(look, others) else OTHER_LEVEL
@@ -256,16 +149,17 @@ def _unlike(look: _Look, others: list[_Look]) -> _Unlike | None:
         or (_wandering(look) if wanders else None)
         or (_slow(look) if is_slow else None)
         or _of_another_level(look, louder)
+        or (_swaying(look) if sways else None)
     )
 
 
-def _most_are_too_loud(look: _Look, others: list[_Look]) -> bool:
+def _most_are_too_loud(look: Look, others: list[Look]) -> bool:
     """Whether `look` is of a taxel, and most of the other taxels are too loud: then less is enough for this one, too."""
     taxels = [o.times_expected > OTHER_LEVEL for o in others if o.channel != "force" and o.e.size >= FEWEST]
     return look.channel != "force" and 2 * sum(taxels) > len(taxels)
 
 
-def _growing(look: _Look) -> _Unlike:
+def _growing(look: Look) -> _Unlike:
     idle, loaded, _ = look.idle_and_loaded
     said = f"grows with the load, from {idle:.3g} N in the third of the samples with the least to {loaded:.3g} N in that with the most"
     numbers = {
@@ -276,31 +170,39 @@ def _growing(look: _Look) -> _Unlike:
     return "growth", f"{said}, where that of another channel does not; {look.declared}", numbers
 
 
-def _wandering(look: _Look) -> _Unlike:
+def _wandering(look: Look) -> _Unlike:
     tau = -look.period / float(np.log(min(look.colour, 0.9999)))
     alike = f"neighbouring samples are alike (correlation {look.colour:.2f}), as those of another channel are not, over about {tau:.2g} s"
-    spread, over = quantity(_spread(look.e), "N"), quantity(tau, "s")
-    numbers = {"correlation_of_neighbours": quantity(look.colour, "1"), "coloured": spread, "tau": over}
+    size, over = quantity(spread(look.e), "N"), quantity(tau, "s")
+    numbers = {"correlation_of_neighbours": quantity(look.colour, "1"), "coloured": size, "tau": over}
     return "correlation", f"wanders: {alike}; {look.declared}", numbers
 
 
-def _slow(look: _Look) -> _Unlike:
+def _slow(look: Look) -> _Unlike:
     part = look.slow_part
     scatter = f"averages over {AVERAGED_S:g} s scatter by {part.rms:.3g} N beside white noise of {part.quick:.3g} N"
     numbers = {"white": quantity(part.quick, "N"), "coloured": quantity(part.rms, "N"), "tau": quantity(part.tau, "s")}
     return "correlation", f"wanders: {scatter}, in the air as well, and those of another channel do not; {look.declared}", numbers
 
 
-def _of_another_level(look: _Look, louder: float) -> _Unlike | None:
+def _swaying(look: Look) -> _Unlike:
+    said = f"with its slow part is {look.sways:.2g} times what is expected, in the air as well, and that of another channel is not"
+    quick = spread(look.e)
+    slow = float(np.sqrt(max(look.slow**2 - quick**2, 0.0)))
+    numbers = {"times_expected": quantity(look.sways, "1"), "white": quantity(quick, "N"), "coloured": quantity(slow, "N")}
+    return SWAYING, f"{said}: it wanders over seconds; {look.declared}", numbers
+
+
+def _of_another_level(look: Look, louder: float) -> _Unlike | None:
     """A finding where the noise is more than `louder` times the expected level, or quieter than expected. Quieter is judged without the
     encoder's part and including slow noise, and not where steps bury the noise."""
-    measured, at_rest = _spread(look.e), 0.0 if look.is_buried else float(np.hypot(look.level, look.steps[0]))
+    measured, at_rest = spread(look.e), 0.0 if look.is_buried else float(np.hypot(look.level, look.steps[0]))
     ratio = look.times_expected
     if ratio <= louder and OTHER_LEVEL * max(measured, look.slow) >= at_rest:
         return None
     steps = f", {look.expected:.3g} N together with the steps of converter and encoder" if look.expected > 1.05 * look.level else ""
     numbers = {"times_expected": quantity(ratio, "1"), "white": quantity(measured, "N")}
-    return "level", f"is {measured:.3g} N, {ratio:.2g} times what is expected: {look.declared}{steps}", numbers
+    return "level", f"is {measured:.3g} N{look.where}, {ratio:.2g} times what is expected: {look.declared}{steps}", numbers
 
 
 def declared_noise(recording, channel: str) -> float | None:
@@ -317,13 +219,3 @@ def _encoder_step(recording) -> float:
 
 def _quick(e: np.ndarray, dt: float) -> np.ndarray:
     return e - median_filter(e, 2 * int(0.5 * SLOW_S / dt) + 1)
-
-
-def _spread(e: np.ndarray) -> float:
-    return float(np.mean(np.abs(e)) * np.sqrt(np.pi / 2.0))  # a mean, not a median: quantized noise has few levels
-
-
-def _neighbours(e: np.ndarray, believed: np.ndarray) -> float:
-    pairs = believed[1:] & believed[:-1]
-    a, b = e[1:][pairs], e[:-1][pairs]
-    return float(a @ b / max(np.sqrt((a @ a) * (b @ b)), 1e-300))
