@@ -12,9 +12,11 @@ from skin_ident.criticism.array.spreading import with_spread
 from skin_ident.criticism.courses.kinds import courses
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.record import inspect
+from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.telemetry.dead import apart, find_dead_taxels
 from skin_ident.criticism.telemetry.loose import contact_of
+from skin_ident.criticism.telling.untold import beside_silence
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.load import load
 from skin_ident.recordings.recording import Recording
@@ -323,3 +325,14 @@ def test_an_array_that_was_unplugged_is_dead(depth):
     for r in pressed_too:
         r.taxels[:] = 0.0
     assert [s.where for s in find_dead_taxels(pressed_too)] == ["taxel_0", "taxel_1", "taxel_2"]
+
+
+@pytest.mark.parametrize("cause", ["force_offset", "drift", "quantization"])
+def test_a_zero_of_a_taxel_that_follows_nothing_may_be_an_open_channel(cause):
+    t = np.arange(4000) * 0.01
+    load, rng = 5.0 * np.clip(np.sin(t), 0.0, None), np.random.default_rng(4)
+    hum = 0.009 * rng.standard_normal(t.size) - 2e-4 * load
+    recordings = [Recording("a", t, 1e-3 * np.sin(t), load, np.stack([0.6 * load + 0.01 * rng.standard_normal(t.size), 0.02 + hum]))]
+    assert apart(recordings) == ["taxel_1"]
+    silent, alive = beside_silence([Named(cause, where, None, 1.0, ()) for where in ("taxel_1", "taxel_0")], recordings)
+    assert [a.key for a in silent.alternatives] == [("dead_taxel", "taxel_1")] * (cause != "quantization") and not alive.alternatives

@@ -58,7 +58,7 @@ from skin_ident.criticism.telling.judging import judge
 from skin_ident.criticism.telling.leftover import systematic_rest
 from skin_ident.criticism.telling.outcome import Outcome, Round, Trace
 from skin_ident.criticism.telling.telling import samples_compared, tell
-from skin_ident.criticism.telling.untold import with_dead_untold
+from skin_ident.criticism.telling.untold import beside_silence, with_dead_untold
 from skin_ident.criticism.usable import (
     are_other_data,
     belong_together,
@@ -162,6 +162,7 @@ def _part(every: list, looked: Inspected, known: _Known, model: Model | None, pr
     declared = every[0].declared.moving_mass_kg is not None
     c = criticise(train, held, model, progress, mass, array_directions(layout, longest(train)), step, declared)
     c = _with_the_dead(c, looked)
+    c = replace(c, named=beside_silence(c.named, every))
     looked = looked.weighed_as(c.train[0])
     set_to, weighs = mass if model is None else model.dispersion.m, c.extended.model.dispersion.m
     if weighs != set_to:
@@ -283,7 +284,7 @@ def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known:
     coarse = {c for s in known if s.cause == "quantization" for c in s.channels}
     uneven = in_uneven_steps(known)  # where steps grow with the reading, so does their residual
     dts = [r.dt for r in recordings]
-    told = [told_of_bursts(s, channels, rest, dts) for s in known if remains(s, recordings, channels, rest, model)]
+    told = [told_of_bursts(s, recordings, channels, rest) for s in known if remains(s, recordings, channels, rest, model)]
     rest = between_lines(rest, channels, told, dts)
     found = [
         *(s for s in find_buried(recordings, channels, rest, calm) if s.channels[0] not in coarse),

@@ -12,7 +12,7 @@ from skin_ident.criticism.telemetry.promise import least_step, promised
 from skin_ident.criticism.telemetry.still import is_still
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 
-FOLLOWS = 0.1  # correlation with the load below which a taxel does not follow it
+FOLLOWS = 0.2  # correlation with the load below which a taxel does not follow it: noise that wanders may have half of that
 FOLLOWED = 0.3  # correlation from which it follows in a session: some pieces may seem to by chance
 PIECES = 24  # pieces into which a session is cut
 MOVED = 0.2  # load's standard deviation in a piece, as a share of that in the session, from which the piece is tested

@@ -3,7 +3,10 @@
 from collections.abc import Collection, Iterable
 from typing import Any
 
-from skin_ident.criticism.vocabulary import CAUSES, Key
+from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.rivals import Rival
+from skin_ident.criticism.telemetry.dead import apart
+from skin_ident.criticism.vocabulary import CAUSES, FORCE_OFFSET, Key
 from skin_models.catalogue import effects
 
 KNOWN_LOAD = "the depth (encoder), or a known load on the load cell"
@@ -17,6 +20,13 @@ NOT_HIDDEN = ("interference", "outliers", "crosstalk", "dead_taxel")
 def is_untold(entry: dict[str, Any]) -> bool:
     """Whether an entry of `untestable` is of this kind; it stays, even where its cause is named elsewhere."""
     return entry["because"] in (OF_LOAD_CELL, OF_DEAD)
+
+
+def beside_silence(named: Iterable[Named], recordings: list) -> tuple[Named, ...]:
+    """The causes that were named, where a zero of a taxel that does not follow the load may as well be the reading of an open channel."""
+    silent = apart(recordings)
+    open_too = [[Rival("dead_taxel", n.where, 0.0)] if n.where in silent and n.cause in (FORCE_OFFSET, "drift") else [] for n in named]
+    return tuple(n.with_rivals(rivals) for n, rivals in zip(named, open_too, strict=True))
 
 
 def with_load_cell_untold(untestable: list[dict[str, Any]], named: Collection[Key]) -> list[dict[str, Any]]:
