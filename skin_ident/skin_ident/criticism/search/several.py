@@ -4,10 +4,11 @@ Skin that relaxes twice, once within milliseconds and once over hours, explains 
 stiffens; with one instance it explains less than the lag. So where, with one instance each, another cause explains more or nearly as much,
 that cause is taken for granted, and the search looks one step further. If the cause that comes next beside it makes the better account of
 the two, the other cause is tried first. It must be clearly better; any amount will do where the several instances follow several laws, and
-so are hardly one cause. Where the first of the several instances does better with one other cause, it keeps its place, alone.
+so are hardly one cause. Where the first of the several instances does better with one other cause, it keeps its place, alone. Where
+another cause explains as much with one instance, that is the plainer account, and goes first.
 """
 
-from skin_ident.criticism.search.rivals import reach
+from skin_ident.criticism.search.rivals import CHANCE_SCORE, reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.trial import Trial
 
@@ -21,6 +22,10 @@ def single_before_several(search: Search, trials: list[Trial]) -> list[Trial]:
     if not (trials and trials[0].plainer and search.lasts) or trials[0].key in search.suspected:
         return trials
     best = trials[0]
+    by_chance = CHANCE_SCORE * len(best.fit.model.having(best.key))  # each instance had the chance
+    plain = next((t for t in trials if t.plainer is None and t.score > best.score - by_chance), None)
+    if plain:
+        return [plain, *(t for t in trials if t is not plain)]
     if best.score < search.least(best.fit.count):
         return trials
     other = max((t for t in trials if t.key[0] != best.key[0]), key=_alone, default=best)
@@ -52,7 +57,7 @@ def _leads_to(search: Search, first: Trial, best: Trial) -> float | None:
     if not following or following[0].key[0] == best.key[0]:
         return None
     before, both, several = (fit.under(ahead.noise, ahead.train) for fit in (search.present, following[0].fit, best.fit))
-    laws = {type(e) for e in best.fit.model.effects[len(search.present.model.effects) :]}
+    laws = {type(e) for e in best.fit.model.having(best.key)}
     gained = both.score_over(before)
     if (gained if len(laws) > 1 else reach(gained)) <= several.score_over(before):
         return None
