@@ -14,7 +14,7 @@ from skin_ident.criticism.array.evidence import fitted
 from skin_ident.criticism.array.extending import NO_FORM, NOT_JUDGED, TOO_LARGE, known, unwritten
 from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.findings import POSSIBLE, excluded, form_of, parameters, untestable
-from skin_ident.criticism.array.gains import Gains
+from skin_ident.criticism.array.gains import Gains, _swallowed
 from skin_ident.criticism.array.hypotheses import Hypothesis
 from skin_ident.criticism.array.joining import joined
 from skin_ident.criticism.array.judgement import judge
@@ -25,6 +25,7 @@ from skin_ident.criticism.array.smeared import Capacitive, Smeared
 from skin_ident.recordings.declared import Declared, declared_from
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.recording import Recording
+from skin_models.catalogue import effects
 from skin_models.dispersion import Dispersion
 from skin_models.model import Model
 from skin_models.signals import motion
@@ -334,3 +335,14 @@ def test_what_three_taxels_cannot_tell_is_bounded_by_no_expectation():
             bounds = excluded(ArrayCriticism(layout, None, judgement))
             below.append(min((e["below"] for e in bounds if (e["cause"], e["where"]) == ("crosstalk", "taxel")), default=np.inf))
     assert len(below) > 5 and min(below) > leak
+
+
+def test_a_dead_zone_of_one_taxel_leaves_the_shares_of_the_others_certain():
+    dead = next(e for e in effects() if e.cause == "dead_zone" and e.form == "hard")
+    skin, s = (
+        Dispersion(m=0.0, b1=0.0, k1=3000.0, b2=0.0, k2=1000.0),
+        SimpleNamespace(motion=motion(np.arange(3.0), np.array([0.0, 1e-3, 0.0]))),
+    )
+    shares = np.array([0.01, 0.5, 0.01])
+    own, all_alike = (Model(skin, shares=tuple(shares)).extended(dead(where, threshold=0.05)) for where in ("taxel_0", "taxel"))
+    assert _swallowed(own, s, shares) == pytest.approx([0.05 / 3.0, 0.0, 0.0]) and np.count_nonzero(_swallowed(all_alike, s, shares)) == 2

@@ -128,6 +128,14 @@ def test_an_answer_in_a_recording_is_refused(command, tmp_path):
     assert done.status == 2 and "is a recording" in done.said and sorted(tmp_path.rglob("*")) == had
 
 
+def test_a_copy_that_is_held_out_is_told_from_its_twin_by_its_path(command, tmp_path):
+    for name in "ab":
+        (tmp_path / name).mkdir()
+    one, other = (write_table(tmp_path / name / "session_1.csv", R) for name in "ab")
+    done = command(one, "--hold-out", other)
+    assert done.status == 2 and f"{other}, which is held out, holds the same samples as {one}, which is fitted" in done.said
+
+
 def test_what_is_held_out_of_the_fitted_is_said_before_the_work(capsys, tmp_path, monkeypatch):
     monkeypatch.setattr(diagnose, "_loaded", lambda *_: 1 / 0)
     files = [str(write_table(tmp_path / f"{name}.csv", R)) for name in "ab"]

@@ -279,6 +279,8 @@ def test_what_some_taxels_have_or_each_in_another_way_is_told_of_each():
     alike, others = [entry(i, 13.7) for i in range(3)], [entry(i, 13.7 + i) for i in range(3)]
     assert in_all_taxels(alike, 4) == alike and in_all_taxels(others, 3) == others
     (one,) = in_all_taxels(alike, 3)
+    alike[0]["parameters"]["in_bursts"] = {"value": 0.2, "unit": "N"}  # of one of them alone
+    assert set(in_all_taxels(alike, 3)[0]["parameters"]) == {"frequency", "amplitude"}
     assert (one["where"], one["channels"]) == ("taxel", ["taxel_0", "taxel_1", "taxel_2"])
     assert one["parameters"]["amplitude"]["value"] == 0.02 and set(one["evidence"]["of_each_taxel"]) == set(one["channels"])
 

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -124,6 +125,33 @@ def truncated(path):
 def commas(path):
     path.write_text(path.read_text().replace(",", ";").replace(".", ","))
     return path
+
+
+UNHEARD = {
+    "the table of one fit": (["--format", "parquet"], "--format is for many sessions"),
+    "the processes of one fit": (["--jobs", "2"], "--jobs is for many sessions"),
+    "a cluster for one fit": (["--scheduler", "tcp://host:8786"], "--scheduler is for many sessions"),
+    "an order where there is a depth": (["--order", "1"], "a.csv has a depth"),
+    "an order of straight lines": (["--order", "2", "--what", "stiffness"], "--order is that of a fit from force to force"),
+    "topics of a table": (["--topics", "force=/ft"], "--topics is for bags"),
+    "times of recording of a table": (["--log-time"], "--log-time is for bags"),
+    "the same for each": (["--log-time", "--each", "--out", "OUT"], "--log-time is for bags"),
+}
+
+
+@pytest.mark.parametrize("case", UNHEARD)
+def test_options_that_would_not_be_heard_are_refused(fit, tmp_path, case):
+    more, says = UNHEARD[case]
+    done = fit(write_table(tmp_path / "a.csv", R), *(str(tmp_path / "out") if word == "OUT" else word for word in more))
+    assert done.returncode == 2 and says in done.stderr and not done.stdout and not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("more", [[], ["--each"], ["--what", "prony"]])
+def test_milliseconds_under_a_title_that_says_seconds_are_refused(fit, tmp_path, more):
+    slow = write_table(tmp_path / "a.csv", replace(R, t=1e3 * R.t))
+    done = fit(slow, *more, "--out", tmp_path / "out")
+    asked = "is the time in milliseconds? If it is not, declare sample_rate_hz in rig.yaml"
+    assert done.returncode == 2 and asked in done.stdout + done.stderr and not (tmp_path / "out" / "fit.json").exists()
 
 
 BAD = {

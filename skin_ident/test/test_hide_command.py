@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from skin_ident.cli.common import refusal
 from skin_ident.cli.hide import main
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.hiding.campaign import Case, recordings
@@ -109,6 +110,8 @@ def test_the_truth_lies_apart_and_the_data_are_read_again(command, base, tmp_pat
         (["--cause", "backlsh"], "did you mean backlash?"),
         (["--cause", "parameters"], "cannot be hidden; choose from adhesion"),
         (["--cause", "lag", "--where", "skin"], "choose from load_cell"),
+        (["--cause", "null"], "challenge --causes null and identify --cause none"),
+        (["--cause", "none"], "challenge --causes null and identify --cause none"),
         (["--size", "-1"], "positive"),
         (["--size", "1e6"], "below 10000"),
         (["--seed", "-3"], "--seed"),
@@ -132,12 +135,28 @@ def test_wrong_arguments_are_said_before_anything_is_read(command, tmp_path, arg
 
 @pytest.mark.parametrize(
     ("given", "word"),
-    [(("session_1.csv", "session_1.csv"), "given twice"), (("session_1.csv", "copy.csv"), "copy.csv hold the same")],
+    [
+        (("session_1.csv", "session_1.csv"), "given twice"),
+        (("session_1.csv", "copy.csv"), "copy.csv hold the same"),
+        (("session_1.csv", "other/session_1.csv"), "base/other/session_1.csv hold the same"),
+    ],
 )
 def test_the_same_recording_twice_is_refused(command, base, tmp_path, given, word):
-    (base / "copy.csv").write_bytes((base / "session_1.csv").read_bytes())
+    (base / "other").mkdir()
+    for copy in ("copy.csv", "other/session_1.csv"):
+        (base / copy).write_bytes((base / "session_1.csv").read_bytes())
     done = command(*(base / name for name in given), "--out", tmp_path / "out")
     assert done.status == 2 and word in done.err and done.err.count("\n") == 1 and not (tmp_path / "out").exists()
+
+
+def test_a_full_disk_is_said_with_the_file(tmp_path, monkeypatch):
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(np, "savetxt", full)
+    with pytest.raises(OSError, match="No space") as error:
+        write_recordings(BASE[:1], tmp_path)
+    assert refusal(error.value) == f"No space left on device ({tmp_path / 'session_1.csv'})" and not list(tmp_path.iterdir())
 
 
 def test_nothing_of_somebody_elses_is_overwritten(command, base, tmp_path):

@@ -7,6 +7,7 @@ from rows import rows
 from skin_ident.criticism.telemetry.excursions import excursions
 from skin_ident.criticism.telemetry.outliers import Said, find_outliers
 from skin_ident.hiding.campaign import Case, result
+from skin_ident.recordings.recording import Recording
 
 LARGE = [
     ("backlash", 30.0), ("backlash", 5.0), ("stress_relaxation", 30.0), ("rate_dependence", 5.0), ("nonlinear_stiffness", 5.0),
@@ -59,6 +60,11 @@ def test_pushes_of_a_mass_are_no_outliers():
     pushed, spikes = (find_outliers(("force",), [Said("a", y[None], y[None], rest, path)], 0.01, reads=1e-6) for y in (e, later))
     assert not pushed and spikes[0].evidence["excursions"] == at.size
     assert find_outliers(("force",), [Said("a", e[None], e[None], rest)], 0.01)
+    slow = Recording("b", np.arange(4000) * 0.1, path, e)  # pushed as much, though its plunger took ten times as long
+    heavier = noisy()
+    heavier[at] += np.diff(path, 2)[at - 1] / 0.1**2
+    sessions = [Said("a", e[None], e[None], rest, path), Said("b", 1.0 * heavier[None], heavier[None], rest, path, slow)]
+    assert not find_outliers(("force",), sessions, 0.01, reads=1e-6)
 
 
 @pytest.mark.parametrize(("others", "quick", "told"), [(0.5, 12e-6, False), (0.5, 0.0, True), (0.0, 12e-6, True)])

@@ -5,7 +5,7 @@ import sys
 
 import numpy as np
 import pytest
-from making import recording, same, write_mcap
+from making import recording, same, write_bag, write_mcap
 
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.load import load
@@ -98,3 +98,10 @@ def test_file_that_is_no_mcap(tmp_path, content, says):
     (tmp_path / "a.mcap").write_bytes(content)
     with pytest.raises(RecordingError, match=says):
         load(tmp_path / "a.mcap")
+
+
+def test_a_bag_that_lost_its_file_is_told_from_an_empty_folder(tmp_path):
+    for file in write_bag(tmp_path / "bag", R).glob("*.mcap"):
+        file.unlink()
+    with pytest.raises(RecordingError, match=r"its recording file \(\.mcap or \.db3\) is missing"):
+        load(tmp_path / "bag")

@@ -100,3 +100,9 @@ def test_what_was_imported_is_what_the_table_holds(tmp_path, taxels):
     (before,), (after,) = load(tmp_path / "a.csv"), load(tmp_path / "bag")
     assert after.kind == before.kind and len(after.taxels) == taxels
     assert np.allclose(after.depth, before.depth, atol=1e-12) and np.allclose(after.force, before.force) and not after.warnings
+
+
+def test_an_infinite_number_is_said_to_be_infinite(tmp_path):
+    (tmp_path / "a.csv").write_text(table(r5c2="inf"))
+    said = "force: 1 infinite number, taken for missing"
+    assert said in load(tmp_path / "a.csv")[0].warnings and said in read_table(tmp_path / "a.csv").warnings

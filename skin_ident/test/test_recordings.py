@@ -97,8 +97,9 @@ def test_rig_yaml_calibrates_and_declares(tmp_path):
     ("text", "says"),
     [("skin_thickness_mm: thick", "number"), ("skin_thickness_mm: -1", "positive"), ("[1", "YAML"),
      ("calibration: {force: {slope: 3}}", "slope"), ("taxel_positions_mm: 3", "list"),
-     ("taxel_positions_mm: [[0, 0], [1, 0], [2, 0]]", "speaks of 3, but the recording has 2 taxels"),
-     ("taxel_positions_mm: [[0, 0], [0, 0]]", "same place"), ("taxel_step_n: [0.1, 0.2, 0.3]", "one number for all, or one for each"),
+     ("taxel_positions_mm: [[0, 0], [1, 0], [2, 0]]", "has 3 positions, but the recording has 2 taxels"),
+     ("taxel_positions_mm: [[0, 0], [0, 0]]", "same place"),
+     ("taxel_step_n: [0.1, 0.2, 0.3]", "has 3 numbers, .*one number for all, or one for each"),
      ("skin_thickness_mm: 0.004", "cannot be less than 0.02"), ("taxel_positions_mm: [[0, 0], [0.01, 0]]", "in millimetres"),
      ("encoder_step_um: 9999", "cannot have read a travel"), ("moving_mass_kg: 1.0e+9", "cannot be more than 100"),
      ("taxel_gain_uncertainty: 3", "unit")],
@@ -108,6 +109,12 @@ def test_bad_rig_yaml(tmp_path, text, says):
     write_table(tmp_path / "a.csv", R)
     with pytest.raises(RecordingError, match=says):
         load(tmp_path)
+
+
+def test_a_rig_yaml_that_is_a_folder_is_refused(tmp_path):
+    (tmp_path / "rig.yaml").mkdir()
+    with pytest.raises(RecordingError, match=r"rig\.yaml: Is a directory"):
+        load(write_table(tmp_path / "a.csv", R))
 
 
 def test_a_misspelt_key_is_passed_over_and_the_known_one_said(tmp_path):

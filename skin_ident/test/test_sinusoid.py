@@ -34,8 +34,20 @@ def test_speed_and_acceleration_are_its_derivatives():
     "x", [np.linspace(0, 1e-3, 1000), np.random.default_rng(0).normal(size=1000), np.sign(np.sin(np.arange(1000) / 50.0))]
 )
 def test_other_motions_are_refused(x):
-    with pytest.raises(FitError, match=r"no sinusoid|less than one period"):
+    with pytest.raises(FitError, match=r"no sinusoid.*leave out --motion sinusoid"):
         fit_sinusoid(np.arange(1000) * 0.01, x)
+
+
+def test_presses_with_rests_in_the_air_are_no_sinusoid_however_slow_the_best_one_is():
+    t = np.arange(8000) * 0.01
+    presses = np.where(t % 10.0 < 5.0, 0.5e-3 * (1.0 - np.cos(2 * np.pi * t / 5.0)), -1e-3)
+    with pytest.raises(FitError, match="no sinusoid: the best one misses it by"):
+        fit_sinusoid(t, presses)
+
+
+def test_half_a_sinusoid_is_said_to_be_less_than_one_period():
+    with pytest.raises(FitError, match="less than one period"):
+        fit_sinusoid(*depth(n=200))
 
 
 def test_fit_on_the_sinusoid_is_as_good_as_with_an_exact_encoder():

@@ -134,7 +134,7 @@ def test_bad_calls(tmp_path, capsys):
         (["--budget", "0"], "--budget"),
         (["--budget", "nan"], "--budget"),
         (["--seed", "-1"], "--seed"),
-        (["--cause", "witchcraft"], "choose from"),
+        (["--cause", "witchcraft"], ", none, "),
         (["--first", "x"], "no YAML file"),
     ):
         assert main([*arguments, "--out", str(tmp_path / "out")]) == 2

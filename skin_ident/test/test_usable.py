@@ -1,6 +1,7 @@
 """What a diagnosis refuses, in one sentence, and what it takes for still."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -252,6 +253,10 @@ def test_a_line_that_comes_and_goes_is_told_with_its_size_in_bursts():
     line = Symptom("interference", "load_cell", ("force",), {"frequency": quantity(11.0, "Hz")}, {"why": "a line"})
     steady = 0.2 * np.sin(2.0 * np.pi * 11.0 * T) + np.random.default_rng(6).normal(0.0, 0.05, T.size)
     bursts = np.where(np.sin(0.7 * T) > 0.9, steady, steady - 0.2 * np.sin(2.0 * np.pi * 11.0 * T))
-    assert told_of_bursts(line, ("force",), [steady[None]] * 2, [0.005] * 2) == line
-    told = told_of_bursts(line, ("force",), [bursts[None]] * 2, [0.005] * 2)
+    recordings = [SimpleNamespace(name=name, dt=0.005) for name in ("a", "b")]
+    assert told_of_bursts(line, recordings, ("force",), [steady[None]] * 2) == line
+    told = told_of_bursts(line, recordings, ("force",), [bursts[None]] * 2)
+    in_one = replace(line, evidence={**line.evidence, "only_in": ["a"]})
+    quiet = np.random.default_rng(7).normal(0.0, 0.05, T.size)
+    assert "in_bursts" in told_of_bursts(in_one, recordings, ("force",), [bursts[None], quiet[None]]).parameters
     assert "in bursts" in told.evidence["why"] and told.parameters["in_bursts"]["value"] == pytest.approx(0.2, rel=0.25)

@@ -176,8 +176,8 @@ def _is_long_enough(r, slowest: float) -> None:
     if kept < FEWEST:
         least = r.dt * (band.kernel.size + FEWEST * band.every)
         lasts = f"{r.name} lasts {r.t[-1] - r.t[0]:.3g} s, too short to distinguish anything from noise: {least:.2g} s are needed at least"
-        slow = [name for name, own in r.readings.items() if own.period > SELDOM * r.dt]
-        seldom = f", for {slow[0]} comes every {r.longest_period:.2g} s only; leave it out, or record it faster" if slow else ""
+        name, period = max(((name, own.period) for name, own in r.readings.items()), key=lambda each: each[1], default=("", 0.0))
+        seldom = f", for {name} comes every {period:.2g} s only; leave it out, or record it faster" if period > SELDOM * r.dt else ""
         raise DiagnosisError(lasts + seldom)
 
 

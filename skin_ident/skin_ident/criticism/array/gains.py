@@ -95,7 +95,8 @@ def _scatter(scores: np.ndarray, inverse: np.ndarray, own: np.ndarray, s: Sessio
 
 def _swallowed(model: Model, s: Session, value: np.ndarray) -> np.ndarray:
     """Errors (T,) of the shares of taxels with a dead zone that feel hardly more than its threshold; 0 for the others."""
-    threshold = sum(e.threshold for e in model.effects if e.cause == "dead_zone" and e.where.startswith("taxel"))
+    zones = [e for e in model.effects if e.cause == "dead_zone"]
+    threshold = np.array([sum(e.threshold for e in zones if e.where in ("taxel", f"taxel_{i}")) for i in range(value.size)])
     least = threshold / (model.dispersion.k1 * s.motion.x.max())
     return np.where(value < 2.0 * least, least, 0.0)
 

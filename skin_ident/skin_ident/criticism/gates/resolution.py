@@ -207,6 +207,12 @@ def unread_force(model: Model, channel: str, sessions: list[Session], encoder_st
     return float(np.linalg.norm([steps, _trembling(sessions, k, b), driving]))
 
 
+def left_by_steps(model: Model, channel: str, sessions: list[Session], encoder_step: float) -> float:
+    """What steps of converter and encoder may leave open in a channel of sessions that return to few depths, N."""
+    own = max(s.steps[s.channels.index(channel)] for s in sessions)
+    return float(np.hypot(RESOLVED * own, np.sqrt(AT_FEW_DEPTHS) * unread_force(model, channel, sessions, encoder_step)))
+
+
 def without_noise(encoder_step: float, sessions: list[Session]) -> float:
     """The encoder's steps alone, m, where `encoder_step` is the step whose rounding is as loud as its steps and white noise together."""
     return float(np.sqrt(max(encoder_step**2 - 12.0 * max(s.depth_noise for s in sessions) ** 2, 0.0)))

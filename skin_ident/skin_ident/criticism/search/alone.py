@@ -14,7 +14,7 @@ from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.only_held import note_cause_of_held
 from skin_ident.criticism.search.rivals import own_rivals, plainest_first, reach
 from skin_ident.criticism.search.state import Search
-from skin_ident.criticism.search.tared import take_tare_of_held, take_zeros_of_held, taken_off
+from skin_ident.criticism.search.tared import add_to_held, take_tare_of_held, take_zeros_of_held, taken_off
 from skin_ident.criticism.vocabulary import Key
 
 ALONE = 0.9  # largest ratio of errors, after to before, of what is wrong in held-out sessions alone: a smaller fall may be due to the model
@@ -69,7 +69,7 @@ def _take_zero_alone(search: Search, run: Run) -> bool:
     them are taken."""
     if not nearer(run, search.present.model, search.held):
         return take_zeros_of_held(search, run.score)
-    search.held = added(search.held, run.values)
+    add_to_held(search, run.values)
     search.tared[run.course.key] = tare_does(run.largest, run.tare)
     return True
 

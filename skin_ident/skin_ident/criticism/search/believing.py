@@ -96,9 +96,8 @@ def _stands_beside(search: Search, trial: Trial, other: Trial) -> bool:
     """Whether a trial explains as much as an `other`, or is believed beside it."""
     if trial.score > reach(other.score):
         return True
-    own = trial.fit.model.effects[len(search.present.model.effects) :]
-    model = other.fit.model
-    both = fit(replace(model, effects=(*model.effects, *own)), search.train, search.noise)
+    model = other.fit.model.lacking(trial.key)  # a finer form takes the place of the plain one
+    both = fit(replace(model, effects=(*model.effects, *trial.fit.model.having(trial.key))), search.train, search.noise)
     gain = search.gain(model, both.model, trial.key[1])
     return gain.passed and gain.shows_at(trial.key[1]) and both.score_over(other.fit) > search.least(both.count) * gain.breadth
 

@@ -25,6 +25,8 @@ def settle_lateness(search: Search, last: Survey) -> bool:
     """Take the depth to be late, or late by another time, as far as good hardware is; return whether anything changed. It is asked for
     once beside the same findings and the same baseline, where the survey `last` shows that it may explain enough. A delay that was taken
     need not explain as much again."""
+    if not last.ranked:  # every channel is silent
+        return False
     beside, taken = (len(search.named), search.zeroed, search.own_skin), search.train[0].late
     least = -np.inf if taken else max(search.least(search.present.count), MOSTLY * last.ranked[0].score)
     shown = max((r.gain for r in last.ranked if r.key == LATE_DEPTH), default=0.0)

@@ -88,5 +88,5 @@ class Criticism:
 
     def before(self, own: Session, plain: Session) -> Session:
         """A session as the baseline is compared with it: `own`, but without what it was found to have beyond the model since it was
-        `plain`, and without its skin where that is a finding."""
-        return replace(own, beyond=plain.beyond, skin=self.skin_before(own))
+        `plain`, with the depth as it was read, and without its skin where that is a finding."""
+        return replace(own, motion=plain.motion, late=plain.late, beyond=plain.beyond, skin=self.skin_before(own))

@@ -59,9 +59,9 @@ def _drives(trial: Trial, sessions: list[Session]) -> bool:
         spare.append((int(np.argmax(model.shares)) - len(model.shares), skin.b1 - under_taxels))
     taken, linear = np.zeros(len(spare)), 0.0
     for s in sessions:
-        more = simulated(model, s) - simulated(without, s)
-        taken += [float(np.sum(more[row] * s.motion.v)) for row, _ in spare]
-        linear += float(np.sum(s.motion.v**2 * (s.motion.x > 0.0)))
+        more, moved = simulated(model, s) - simulated(without, s), motion_under(s, skin)
+        taken += [float(np.sum(more[row] * moved.v)) for row, _ in spare]
+        linear += float(np.sum(moved.v**2 * (moved.x > 0.0)))
     return bool(np.any(taken + linear * np.array([b for _, b in spare]) < 0.0))
 
 

@@ -249,7 +249,11 @@ class Search:
         if same is None:
             self.named.append(finding)
         else:
-            more = replace(same, gain=self.gain(start, after.model, finding.where), explained=same.explained + finding.explained)
+            gain, lacks = (
+                self.gain(start, after.model, finding.where),
+                finding if finding.only else same,
+            )  # who lacks the one, lacks the other
+            more = replace(same, gain=gain, explained=same.explained + finding.explained, only=lacks.only, free=lacks.free)
             self.named = [more if n is same else n for n in self.named]
         self.doubts, self.set_aside = {}, {}
         compared = sum(s.seconds for s in self.train)

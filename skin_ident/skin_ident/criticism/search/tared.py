@@ -44,7 +44,7 @@ def beside_zeros(search: Search, finding: Named) -> Named:
 
 def take_zeros(search: Search, least: float = 0.0) -> bool:
     """Take zeros as good hardware leaves them, where they explain more than `least`; return whether they were taken. Where no cause is
-    believed they would otherwise remain unexplained. They are asked for once beside the same findings."""
+    believed they would otherwise remain unexplained. They are taken at most once beside the same findings."""
     if search.zeroed == len(search.named):
         return False
     for driven in (True, False):
@@ -89,10 +89,14 @@ def zero_held(search: Search, shared: Zeros) -> Zeros:
     them."""
     held, model = search.held, search.present.model
     found = shared or (zeros(model, held, search.noise, search.encoder_step, free=False)[0] if held else {})
-    more = added_by(found, model, held)
-    search.held = added(held, more)
-    search.zeros_of_held |= {name: zero + search.zeros_of_held.get(name, 0.0) for name, zero in more.items()}
+    add_to_held(search, added_by(found, model, held))
     return found
+
+
+def add_to_held(search: Search, zeros: dict[str, np.ndarray]) -> None:
+    """Add what zeros come to, (C, N) N by session, to the held-out sessions, and keep it in mind."""
+    search.held = added(search.held, zeros)
+    search.zeros_of_held |= {name: zero + search.zeros_of_held.get(name, 0.0) for name, zero in zeros.items()}
 
 
 def untared(search: Search) -> list[Session]:
@@ -138,7 +142,7 @@ def take_zeros_of_held(search: Search, explained: float) -> bool:
     found = _instead(search, search.held, explained, free=False)
     if not found:
         return False
-    search.held = added(search.held, added_by(found, search.present.model, search.held))
+    add_to_held(search, added_by(found, search.present.model, search.held))
     _said(search, found)
     return True
 

@@ -20,6 +20,7 @@ JOLTED = 2  # recorded samples to either side of a contact met at such a jump
 RECOVERED = 0.003  # share of the greatest depth, from which unloaded skin counts as not recovered
 RECOVERIES = (0.02, 0.03, 0.05, 0.08, 0.12, 0.2, 0.3, 0.5, 0.8)  # s, recovery times that are tried
 SHALLOW = 0.1  # share of the greatest depth
+AROUND = 8  # samples to either side of shallow contact that belong to it
 NOTHING = 0.4  # share of the recovery signal, below which taxels do not read it
 PARTING = 1.4  # factor on the fitted skin's recovery time, so that skin somewhat slower is allowed for
 UNSEEN = 0.045  # share of the common kernel's magnitude that may fall on left-out samples
@@ -132,7 +133,7 @@ def impacts(s: Motion, skin: Dispersion, beside: int) -> np.ndarray:
     return np.convolve(edges & fast, np.ones(2 * beside + 1), mode="same") > 0.5
 
 
-def meeting(s: Motion, skin: Dispersion, around: int = 8) -> np.ndarray:
-    """Mask (N,) of samples within `around` samples of shallow or parted contact, where a real force may jump."""
+def meeting(s: Motion, skin: Dispersion) -> np.ndarray:
+    """Mask (N,) of samples within `AROUND` samples of shallow or parted contact, where a real force may jump."""
     shallow = (s.x > -SHALLOW * s.x.max()) & (s.x < SHALLOW * s.x.max())
-    return np.convolve(shallow | parted(s, _slower(skin, 2.0)), np.ones(2 * around + 1), mode="same") > 0.5
+    return np.convolve(shallow | parted(s, _slower(skin, 2.0)), np.ones(2 * AROUND + 1), mode="same") > 0.5

@@ -17,15 +17,14 @@ THERE = 0.5  # share of the bursts' amplitude from which the line is present
 REACHED = 99.0  # percentile of the envelope that counts as its amplitude in bursts
 
 
-def told_of_bursts(symptom: Symptom, channels: tuple[str, ...], rests: list[np.ndarray], dts: list[float]) -> Symptom:
-    """The symptom, with the size and share of the bursts added where its line comes in bursts; else unchanged.
-
-    `rests` (C, N) N are measured less simulated, at full rate, sampled every `dts` s.
-    """
+def told_of_bursts(symptom: Symptom, recordings: list, channels: tuple[str, ...], rests: list[np.ndarray]) -> Symptom:
+    """The symptom, with the size and share of the bursts added where its line comes in bursts in every recording that has it; else
+    unchanged. `rests` (C, N) N are measured less simulated, at full rate."""
     if symptom.cause != "interference" or symptom.channels[0] not in channels or "frequency" not in symptom.parameters:
         return symptom
-    row = channels.index(symptom.channels[0])
-    seen = [_bursts(e[row], symptom.parameters["frequency"]["value"], dt) for e, dt in zip(rests, dts, strict=True)]
+    row, frequency = channels.index(symptom.channels[0]), symptom.parameters["frequency"]["value"]
+    there = symptom.evidence.get("only_in", [r.name for r in recordings])
+    seen = [_bursts(e[row], frequency, r.dt) for e, r in zip(rests, recordings, strict=True) if r.name in there]
     if any(s is None for s in seen):
         return symptom
     size, share = (float(np.median(q)) for q in zip(*seen, strict=True))

@@ -50,7 +50,7 @@ def find_encoder_faults(recordings: list, dead: Collection[Symptom] = ()) -> lis
     jumps = f"{count} of {total} samples of the depth jump by up to {1e6 * largest:.3g} µm, or stand still"
     why = f"{jumps}, while the forces say that the plunger did not"
     bad = {(r.name, "depth"): m for r, m in zip(recordings, masks, strict=True) if m.any()}
-    rate = sum(runs(m)[0].size for m in masks) / (total * recordings[0].dt)
+    rate = sum(runs(m)[0].size for m in masks) / sum(m.size * r.dt for r, m in zip(recordings, masks, strict=True))
     parameters = {"rate": quantity(rate, "1/s"), "size": quantity(largest, "m")}
     return [Symptom("outliers", "rig", ("depth",), parameters, {"why": why, "count": count}, bad)]
 

@@ -57,11 +57,12 @@ class Said:
 def find_outliers(
     channels: tuple[str, ...], sessions: Sequence[Said], dt: float, steps: Sequence[float] = (), reads: float = 0.0
 ) -> list[Symptom]:
-    """Excursions and frozen runs, one symptom per channel. `steps` of the converters are estimated where they are not given. A run that
+    """Excursions and frozen runs, one symptom per channel. Sessions without a recording are sampled every `dt` s.
+    `steps` of the converters are estimated where they are not given. A run that
     stands still misses nothing if the encoder, whose resolution `reads` m, stands still as well."""
     steps = steps or [0.0] * len(channels)
     residuals, jumps = [s.residual for s in sessions], [s.jumps for s in sessions]
-    paths = [s.path for s in sessions if s.path is not None]
+    paths, dts = [s.path for s in sessions if s.path is not None], [s.recording.dt if s.recording else dt for s in sessions]
     n_taxels = sum(channel != "force" for channel in channels)
     lines = [[_line(channel, c, s) for s in sessions] for c, channel in enumerate(channels)]
     read = [_of_channel(own, step) for own, step in zip(lines, steps, strict=True)]
@@ -72,9 +73,9 @@ def find_outliers(
         away = [a & ~b for a, b in zip(marks[c].away, bounced, strict=True)]
         if is_swallowed([s.raw[c] for s in sessions], [e[c] for e in residuals], away):
             away = [np.zeros_like(a) for a in away]
-        away = not_shared(not_pushed(away, [e[c] for e in residuals], paths, dt, reads), c, residuals, paths, dt, reads)
+        away = not_shared(not_pushed(away, [e[c] for e in residuals], paths, dts, reads), c, residuals, paths, dts, reads)
         still = _stands_still(marks, c, sessions, paths, reads)
-        found.append(told([s.name for s in sessions], channel, lines[c], read[c], away, still, n_taxels, dt))
+        found.append(told([s.name for s in sessions], channel, lines[c], read[c], away, still, n_taxels, dts))
     return [s for s in found if s is not None]
 
 

@@ -49,7 +49,7 @@ def find_saturated_drive(recordings: list, believed: list[np.ndarray]) -> list[S
     taxels, force = np.concatenate([r.taxels for r in recordings], axis=1), np.concatenate(believed)
     below = force < BELOW * force.max()
     taxel = int(np.argmax(taxels.std(axis=1)))
-    if not len(taxels) or np.ptp(taxels[taxel, below]) <= 0.0:
+    if np.ptp(taxels[taxel, below]) <= 0.0:
         return []
     line = np.polyfit(taxels[taxel, below], force[below], 1)
     predicted = [np.polyval(line, r.taxels[taxel])[None] for r in recordings]

@@ -17,13 +17,14 @@ SHARED = 4.0  # noise widths by which that channel must be off
 
 
 def not_pushed(
-    away: list[np.ndarray], residuals: list[np.ndarray], paths: Sequence[np.ndarray], dt: float, reads: float
+    away: list[np.ndarray], residuals: list[np.ndarray], paths: Sequence[np.ndarray], dts: Sequence[float], reads: float
 ) -> list[np.ndarray]:
     """The excursions `away` of one channel, masks (N,) of each session with residual `residuals` (N,), N, without those that are
-    proportional to the plunger's acceleration along `paths` (N,) m, with one mass for all. `reads` is the encoder's resolution, m."""
+    proportional to the plunger's acceleration along `paths` (N,) m, sampled every `dts` s, with one mass for all. `reads` is the encoder's
+    resolution, m."""
     if not paths:
         return away
-    each = [_pushes(*session, dt, reads) for session in zip(away, residuals, paths, strict=True)]
+    each = [_pushes(*session, reads) for session in zip(away, residuals, paths, dts, strict=True)]
     ratios = [r for pushes in each for r in pushes.values()]
     mass = float(np.median(ratios)) if len(ratios) >= FEWEST else 0.0
     if mass <= 0.0:
@@ -32,14 +33,14 @@ def not_pushed(
 
 
 def not_shared(
-    away: list[np.ndarray], c: int, residuals: list[np.ndarray], paths: Sequence[np.ndarray], dt: float, reads: float
+    away: list[np.ndarray], c: int, residuals: list[np.ndarray], paths: Sequence[np.ndarray], dts: Sequence[float], reads: float
 ) -> list[np.ndarray]:
     """The excursions `away` of channel `c`, masks (N,) of each session with residuals (C, N), N, without those at which the plunger
-    accelerates along `paths` (N,) m and which another channel shares: they come from the motion."""
+    accelerates along `paths` (N,) m, sampled every `dts` s, and which another channel shares: they come from the motion."""
     if not paths:
         return away
     kept = []
-    for mask, e, path in zip(away, residuals, paths, strict=True):
+    for mask, e, path, dt in zip(away, residuals, paths, dts, strict=True):
         felt, speeding = _felt(mask, c, e), _speeding(path, dt, reads)
         kept.append(without(mask, lambda a, b, f=felt, s=speeding: s[a - 1 : b + 1].any() and f[a:b].any()))
     return kept

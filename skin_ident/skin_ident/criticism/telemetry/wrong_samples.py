@@ -38,9 +38,10 @@ def told(
     away: list[np.ndarray],
     still: list[np.ndarray],
     n_taxels: int,
-    dt: float,
+    dts: list[float],
 ) -> Symptom | None:
-    """The symptom of a channel's excursions `away` and frozen runs `still`, masks (N,) of each session; None where there are none. `read`
+    """The symptom of a channel's excursions `away` and frozen runs `still`, masks (N,) of each session, sampled every `dts` s; None where
+    there are none. `read`
     marks the same and more at the channel's own readings."""
     ran = [line.kept(a, grid) for line, a, grid in zip(lines, read.away, away, strict=True)]
     stood = [line.kept(f | u, grid) for line, f, u, grid in zip(lines, read.still, read.unlikely, still, strict=True)]
@@ -58,7 +59,7 @@ def told(
     belong = f"{count} of {total} samples of {channel} belong to {' and '.join(w for w in what if w)}"
     why = f"{belong}, up to {largest:.3g} N from what the samples around them say"
     bad = {(name, channel): a | s for name, a, s in zip(names, away, still, strict=True) if (a | s).any()}
-    rate = (runs_still + runs_away) / (sum(a.size for a in away) * dt)
+    rate = (runs_still + runs_away) / sum(a.size * dt for a, dt in zip(away, dts, strict=True))
     parameters = {"rate": quantity(rate, "1/s"), "size": quantity(rms(wrong), "N")}
     evidence, where = {"why": why, "count": count, "excursions": runs_away}, sensor_of(channel, n_taxels)
     rivals = {"alternatives": (("noise", where),), "apart": HELD} if _are_noisy(lines, ran, runs_away) else {}

@@ -70,8 +70,10 @@ def in_all_taxels(entries: list[dict[str, Any]], taxels: int) -> list[dict[str, 
 def _joined(own: list[dict[str, Any]]) -> dict[str, Any]:
     """One entry in place of those of every taxel: median parameters, and the gain of the taxel that improved most."""
     loudest = max(own, key=_mended)
+    said_of_all = [name for name in own[0]["parameters"] if all(name in e["parameters"] for e in own)]
     numbers = {
-        name: {**q, "value": float(np.median([e["parameters"][name]["value"] for e in own]))} for name, q in own[0]["parameters"].items()
+        name: {**own[0]["parameters"][name], "value": float(np.median([e["parameters"][name]["value"] for e in own]))}
+        for name in said_of_all
     }
     why = f"{loudest['evidence']['why']}; all taxels have it alike"
     each = {e["where"]: e["parameters"] for e in own}

@@ -209,7 +209,9 @@ def telemetry_words(recordings: list, given: bool) -> dict[str, str]:
         "interference": "",
         "saturation": "",
         "quantization": "",  # except for undeclared steps, see `_steps_seen`
-        "noise": "" if declared.force_noise_n or declared.taxel_noise_n else "rig.yaml does not declare a noise level",
+        "noise": ""
+        if declared.force_noise_n or declared.taxel_noise_n or declared.encoder_noise_um
+        else "rig.yaml does not declare a noise level",
         "parameters": "" if given else "no model was given to compare with",
     }
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import pooled_rms, residual, simulated
 from skin_ident.criticism.gates.gate import by_block
-from skin_ident.criticism.gates.resolution import AT_FEW_DEPTHS, RESOLVED, unread_force
+from skin_ident.criticism.gates.resolution import left_by_steps
 from skin_ident.criticism.gates.uncertain import beside_uncertainty
 from skin_ident.criticism.noise.estimate import less
 from skin_ident.criticism.noise.whitening import Stacked, Whitener, white
@@ -117,7 +117,7 @@ def beyond_noise(
     most = _loudest(c) / limit
     fitted, least_fitted = _fitted(c, floor)
     least_held = np.minimum([floor[channel]["rms"] for channel in left], fitted * _louder(c) * TWICE / WELL_ABOVE)
-    open_to_steps = np.array([_resolution(c, i, channel, encoder_step) for i, channel in enumerate(left)])
+    open_to_steps = np.array([left_by_steps(c.extended.model, channel, tested, encoder_step) for channel in left])
     unnamed = np.maximum(SHADOW * max((n.gain.squares for n in c.named), default=0.0), open_to_steps**2)
 
     def times(rms: np.ndarray, sessions: list[Session], least: np.ndarray) -> np.ndarray:
@@ -179,13 +179,6 @@ def _but_for_the_worst(c: Criticism, sessions: list[Session]) -> np.ndarray:
     squares = np.concatenate([by_block(residual(c.extended.model, s) ** 2 * s.weight, s) for s in sessions], axis=-1)
     share = squares.max(axis=-1) / np.maximum(squares.sum(axis=-1), 1e-300)
     return np.sqrt((1.0 - share) / (1.0 - 1.0 / max(squares.shape[-1], 2)))
-
-
-def _resolution(c: Criticism, i: int, channel: str, encoder_step: float) -> float:
-    """What steps of converter and encoder may leave open in a channel, N."""
-    tested = list(c.held or c.train)
-    unread = unread_force(c.extended.model, channel, tested, encoder_step)
-    return float(np.hypot(RESOLVED * max(s.steps[i] for s in tested), np.sqrt(AT_FEW_DEPTHS) * unread))
 
 
 def _rms(e: np.ndarray) -> float:

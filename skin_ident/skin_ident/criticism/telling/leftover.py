@@ -11,7 +11,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.gates.gate import bootstrap_fall, rmse_fall
-from skin_ident.criticism.gates.resolution import AT_FEW_DEPTHS, RESOLVED, unread_force
+from skin_ident.criticism.gates.resolution import left_by_steps
 from skin_ident.criticism.gates.uncertain import beside_uncertainty
 from skin_ident.criticism.search.survey import Survey
 from skin_ident.criticism.sessions.session import Session
@@ -73,6 +73,5 @@ def systematic_rest(last: Survey, train: list[Session], held: list[Session], enc
     fall, lower = bootstrap_fall(*([last.noise.apply(e, s) for e, s in zip(es, held, strict=True)] for es in (before, after)), held)
     rms, _ = rmse_fall(before, after, held)
     c = int(np.argmax(1.0 - rms[1] / np.maximum(rms[0], 1e-300)))
-    unread = np.sqrt(AT_FEW_DEPTHS) * unread_force(last.model, held[0].channels[c], held, encoder_step)
-    open_to = np.hypot(RESOLVED * max(s.steps[c] for s in held), unread)
-    return Rest(fall, lower, float(rms[0, c]), float(rms[1, c]), float(open_to), seconds)
+    open_to = left_by_steps(last.model, held[0].channels[c], held, encoder_step)
+    return Rest(fall, lower, float(rms[0, c]), float(rms[1, c]), open_to, seconds)
