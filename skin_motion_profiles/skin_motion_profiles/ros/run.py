@@ -200,7 +200,7 @@ class Run:
         self.looked = time.monotonic()
 
     def catch_up(self) -> None:
-        """Receive what came while this process stood still: until encoder and load cell are heard again, as long as the driver may be silent."""
+        """Receive what came while this process stood still, until encoder and load cell are heard again, or the driver is silent indeed."""
         resumed = time.monotonic()
         time.sleep(_CATCH_UP)
         while self.link.silent(passed := time.monotonic() - resumed) and passed < self.watch.settings.feedback_timeout:
