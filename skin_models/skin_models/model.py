@@ -21,6 +21,7 @@ from skin_models.spread.bending import Bending, in_order
 from skin_models.spread.footprint import Footprint, Places
 from skin_models.spread.kernels import Kernel
 from skin_models.spread.noted import kernel_of
+from skin_models.words import counted
 
 _PRESSED = Surface(0.0, True)
 _TELLING = 1e-3  # relative to the share right under a contact: a taxel that felt less does not determine its own gain
@@ -57,18 +58,22 @@ class Model:
     def __post_init__(self) -> None:
         shares, positions = numbers(self.shares, "shares of the taxels"), numbers(self.positions, "positions of the taxels")
         if self.positions and positions.shape != (len(self.shares), 2):
-            raise ModelError(f"a model of {len(self.shares)} taxels needs as many positions (x, y) or none, not {len(self.positions)}")
+            raise ModelError(
+                f"a model of {counted(len(self.shares), 'taxel')} needs as many positions (x, y) or none, not {len(self.positions)}"
+            )
         if not np.isfinite(positions).all():
             raise ModelError("positions of the taxels must be finite")
         if len(set(map(tuple, self.positions))) < len(self.positions):
             raise ModelError(f"{_twins(self.positions)} are at the same place")
         if not np.all(np.isfinite(shares) & (shares >= 0.0)):
-            raise ModelError(f"shares of the taxels must be finite and not negative, not {self.shares}")
+            raise ModelError(f"shares of the taxels must be finite and not negative, not {shares.tolist()}")
         if len({id(e) for e in self.effects}) < len(self.effects):  # each effect has a state of its own
             object.__setattr__(self, "effects", tuple(map(copy, self.effects)))
         for e in self.effects:
             if e.taxel is not None and e.taxel >= len(self.shares):
-                raise ModelError(f"{e.cause} sits in {e.where}, but the model has {len(self.shares)} taxels, counted from taxel_0")
+                raise ModelError(
+                    f"{e.cause} sits in {e.where}, but the model has {counted(len(self.shares), 'taxel')}, counted from taxel_0"
+                )
 
     def at(self, place: Place) -> tuple[Effect, ...]:
         """The effects at one place of the chain."""

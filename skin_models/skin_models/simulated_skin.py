@@ -34,6 +34,7 @@ from skin_models.spread.kernels import Kernel
 from skin_models.spread.noted import kernel_of, spread_width
 from skin_models.spread.spreaders import CompiledSpreader, DenseSpreader, Patches
 from skin_models.transmission import Transmission
+from skin_models.words import counted
 
 MEMORY = 16  # columns that are kept after their contacts have left
 HARDEST = 1e6  # N; a greater force is taken for a mistake in the input
@@ -123,7 +124,7 @@ class SimulatedSkin:
             raise ModelError(f"the sample period must be a positive time in s, not {dt}")
         for e in model.effects:
             if e.taxel is not None and e.taxel >= len(layout):
-                raise ModelError(f"{e.cause} sits in {e.where}, but the layout has {len(layout)} taxels, counted from taxel_0")
+                raise ModelError(f"{e.cause} sits in {e.where}, but the layout has {counted(len(layout), 'taxel')}, counted from taxel_0")
         self.model, self.layout, self.dt = model, layout, dt
         self.kernel = _bent(kernel or kernel_of(model.notes), model.at(Place.SPREAD))
         self._shift = np.sum([e.shift() for e in model.at(Place.SPREAD)] + [(0.0, 0.0)], axis=0)

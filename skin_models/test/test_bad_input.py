@@ -51,7 +51,7 @@ def changed(*path, to):
         (changed("schema", to=None), "does not say schema: 1"),
         (changed("schema", to=2), "schema is 2; this version reads schema 1"),
         (changed("shares", to=["one"]), "list of numbers"),
-        (changed("shares", to=[-0.5]), "not negative"),
+        (changed("shares", to=[-0.5]), r"not negative, not \[-0\.5\]"),
         (changed("shares", to=[float("inf")]), "must be finite"),
         (changed("effects", 0, "cause", to="magic"), "no effect models 'magic'"),
         (changed("effects", 0, "where", to="moon"), "no effect models .* in 'moon'"),

@@ -152,6 +152,8 @@ def test_an_effect_on_a_missing_taxel_is_refused():
     model = Model(SILICONE.dispersion, shares=(1.0,) * 4, effects=(GainError(where="taxel_3", gain=0.1),))
     with pytest.raises(ModelError, match="3 taxels"):
         SimulatedSkin(model, row(3, 7e-3), DT)
+    with pytest.raises(ModelError, match="the model has 1 taxel, counted"):
+        Model(SILICONE.dispersion, effects=model.effects)
 
 
 def test_memory_waits_in_the_air_for_its_contact():

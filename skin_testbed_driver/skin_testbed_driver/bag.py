@@ -81,8 +81,9 @@ class _Stream:
 class BagWriter:
     """Writes messages that are serialised already. One thread at a time. Every method raises `BagError` when the disk refuses."""
 
-    def __init__(self, directory: str | os.PathLike) -> None:
-        """Create `directory`, which must not exist."""
+    def __init__(self, directory: str | os.PathLike, kept: str = "what was written before stays readable") -> None:
+        """Create `directory`, which must not exist. `kept` says what is left of it when the disk refuses to take more."""
+        self._kept = kept
         self.directory = Path(directory)
         if self.directory.exists():
             raise BagError(f"{self.directory} exists already: choose another name, a recording is never overwritten")
@@ -174,7 +175,7 @@ class BagWriter:
             return action(*args, **kwargs)
         except OSError as error:
             words = "the disk is full" if error.errno == errno.ENOSPC else (error.strerror or str(error))
-            kept = "" if error.errno == errno.ENOENT else "; what was written before stays readable"
+            kept = "" if error.errno == errno.ENOENT else f"; {self._kept}"
             raise BagError(f"recording to {self.directory} ended: {words}{kept}") from error
 
     def _write_metadata(self) -> None:

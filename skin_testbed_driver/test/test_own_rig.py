@@ -93,6 +93,11 @@ def test_errors_of_the_hardwares_own_become_a_sentence(my_rig):
         own_rig(my_rig, row_from_origin(2), "{port: /nowhere/at/all}")
 
 
+def test_a_file_that_is_not_there_is_said_in_words(tmp_path):
+    with pytest.raises(RigError, match=r"cannot load the rig .*norig\.py: no such file$"):
+        own_rig(str(tmp_path / "norig.py"), row_from_origin(2), "")
+
+
 FAILING = """
 from skin_testbed_driver.rig import Reading, Rig
 

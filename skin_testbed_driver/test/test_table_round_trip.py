@@ -1,5 +1,6 @@
 """A recording leaves as a tab-delimited table and comes back as a bag, without loss."""
 
+import errno
 import io
 import re
 import subprocess
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
+from skin_testbed_driver.bag import BagError, _Stream
 from skin_testbed_driver.rig import RigError
 from skin_testbed_driver.rigs.replay import Recorded, Track
 from skin_testbed_driver.rigs.table import read_table, write_table
@@ -111,6 +113,37 @@ def test_what_cannot_be_used_ends_with_one_sentence_and_status_2(tmp_path):
         ended = run(name, *arguments)
         assert ended.returncode == 2 and len(ended.stderr.strip().splitlines()) == 1, ended
     assert not (tmp_path / "b").exists()
+
+
+@pytest.mark.parametrize("late", [0, 1], ids=["at once", "later"])
+def test_a_table_that_does_not_fit_on_the_disk_leaves_nothing_and_says_so(tmp_path, monkeypatch, late):
+    pytest.importorskip("skin_testbed_msgs")
+    from skin_testbed_driver.ros.import_table import import_table
+
+    write, taken = _Stream.flush, []
+
+    def flush(stream):
+        taken.append(stream)
+        if len(taken) > late:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        write(stream)
+
+    monkeypatch.setattr(_Stream, "flush", flush)
+    write_table(tmp_path / "run.tsv", recorded())
+    with pytest.raises(BagError, match="the disk is full; nothing of it is kept"):
+        import_table(tmp_path / "run.tsv", tmp_path / "b")
+    assert not (tmp_path / "b").exists()
+
+
+def test_an_existing_recording_stays_where_a_table_would_be_imported(tmp_path):
+    pytest.importorskip("skin_testbed_msgs")
+    from skin_testbed_driver.ros.import_table import import_table
+
+    write_table(tmp_path / "run.tsv", recorded())
+    (tmp_path / "b").mkdir()
+    with pytest.raises(BagError, match="never overwritten"):
+        import_table(tmp_path / "run.tsv", tmp_path / "b")
+    assert (tmp_path / "b").exists()
 
 
 def test_a_file_that_is_cut_off_says_how_much_of_it_was_read(tmp_path):

@@ -16,6 +16,8 @@ from skin_ident.recordings.carried import with_warnings_of
 from skin_ident.recordings.chosen import only_taxels
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.load import find, load
+from skin_ident.recordings.recording import Recording
+from skin_ident.recordings.repeated import same
 from skin_ident.report import save_traces, write_report
 from skin_ident.report.terminal import summary
 from skin_models.model_file import load_model, save_model
@@ -44,6 +46,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     recordings, held, twins = (_loaded(paths, how, chosen.taxels) for paths in (files, kept, [(p, "") for p in chosen.twin]))
     if chosen.taxels and are_scans([*recordings, *held, *twins]):
         raise RecordingError(f"{recordings[0].name} is a static spread scan, of one taxel: leave --taxels out")
+    _check_held_out(recordings, held, files, kept)
     with with_warnings_of([*recordings, *held, *twins]):
         outcome = diagnose(recordings, held, model, say, twins)
     if chosen.taxels:
@@ -88,6 +91,17 @@ def _once(files: list[Path]) -> Files:
 def _loaded(files: Sequence[tuple[Path | str, str]], how: dict[str, Any], taxels: list[str]) -> list:
     recordings = [warned(r, said) for file, said in files for r in load(file, **how)]
     return only_taxels(recordings, taxels) if taxels else recordings
+
+
+def _check_held_out(recordings: list, held: list, files: Files, kept: Files) -> None:
+    """Raises `RecordingError` where a held-out session holds the same samples as a fitted one of the same name: here their paths are known,
+    which tell the two apart."""
+    fitted = [(r, file) for r, (file, _) in zip(recordings, files, strict=True) if isinstance(r, Recording)]
+    for r, (file, _) in zip(held, kept, strict=True):
+        twin = next((path for other, path in fitted if other.name == r.name and isinstance(r, Recording) and same(other, r)), None)
+        if twin is not None:
+            said = f"{file}, which is held out, holds the same samples as {twin}, which is fitted"
+            raise RecordingError(f"{said}: hold out another session")
 
 
 def warned(recording, said: str):

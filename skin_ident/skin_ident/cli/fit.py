@@ -38,6 +38,7 @@ from skin_ident.recordings.load import find, load
 from skin_ident.recordings.mass import USUAL_MM
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.slopes import slopes_in_use
+from skin_ident.recordings.storage import is_bag
 from skin_ident.spread_scan import SpreadScan
 from skin_models.model_file import save_model
 from skin_models.words import counted
@@ -57,7 +58,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     chosen = _parser().parse_args(arguments)
     topics = common.topics_of(chosen.topics)
     topics = with_volts(topics) if chosen.what == CALIBRATION else topics
-    options = Options(chosen.mass, chosen.thickness_mm, chosen.motion, chosen.offsets, chosen.order, chosen.loss, chosen.keep_spikes)
+    options = Options(chosen.mass, chosen.thickness_mm, chosen.motion, chosen.offsets, chosen.order or 1, chosen.loss, chosen.keep_spikes)
     if chosen.loss != LINEAR and (chosen.profile or chosen.bootstrap):
         raise FitError(f"--profile and --bootstrap are for least squares: leave them or --loss {chosen.loss} out")
     _check_what(chosen)
@@ -67,13 +68,16 @@ def _main(arguments: Sequence[str] | None) -> int:
     if chosen.out is not None:
         common.check_output(chosen.out)
         common.check_no_answer(chosen.out)
+    _check_bags(chosen)
     if chosen.each:
         return _batch(chosen, options, topics)
     common.say(f"reading {counted(len(chosen.recordings), 'path')} …")
     loaded = load(chosen.recordings, topics, chosen.log_time, chosen.keep_stamps)
     if all(isinstance(r, SpreadScan) for r in loaded):
+        _check_order(chosen, loaded)
         return fit_scans(loaded, chosen.out)
     recordings, scans = sessions_of(loaded)
+    _check_order(chosen, recordings)
     recordings = options.of(recordings)
     for name in scans:
         common.say(f"{name} is a static spread scan: left out of the fit; fit scans by themselves")
@@ -119,6 +123,25 @@ def _check_what(chosen: argparse.Namespace) -> None:
         raise FitError("--arms must be 1 or more")
     if chosen.arms is not None and chosen.what != PRONY:
         raise FitError(f"--arms are those of a relaxation spectrum (Prony series): add --what {PRONY}")
+    if chosen.order is not None and chosen.what != DISPERSION:
+        raise FitError(f"--order is that of a fit from force to force: leave it or --what {chosen.what} out")
+    for value, name in ((chosen.jobs, "--jobs"), (chosen.scheduler, "--scheduler"), (chosen.format, "--format")):
+        if value is not None and not chosen.each:
+            raise FitError(f"{name} is for many sessions, each fitted by itself: add --each, or leave {name} out")
+
+
+def _check_order(chosen: argparse.Namespace, loaded: Sequence[Recording | SpreadScan]) -> None:
+    """Raises `FitError` for the order of a transfer function where the fit has a depth, and so no such order."""
+    deep = next((r.name for r in loaded if r.depth is not None), None)
+    if chosen.order is not None and deep is not None:
+        raise FitError(f"--order is that of a fit from force to force, and {deep} has a depth: leave --order out")
+
+
+def _check_bags(chosen: argparse.Namespace) -> None:
+    """Raises `FitError` for options that say how to read bags where there is none."""
+    asked = [name for value, name in ((chosen.topics, "--topics"), (chosen.log_time, "--log-time")) if value]
+    if asked and not any(is_bag(file) for path in chosen.recordings for file in find(path)):
+        raise FitError(f"{asked[0]} is for bags, and no recording given is one: leave {asked[0]} out")
 
 
 def _with_latencies(estimate: Estimate, recordings: list[Recording], options: Options) -> Estimate:
@@ -153,7 +176,8 @@ def _batch(chosen: argparse.Namespace, options: Options, topics: dict[str, str])
         raise FitError("--each writes one table of standard errors: ask for --profile or --bootstrap of single fits")
     if chosen.jobs is not None and chosen.jobs < 1:
         raise FitError(f"{chosen.jobs} processes cannot work: give --jobs a number of 1 or more, or leave it out")
-    if chosen.format == "parquet":
+    form = chosen.format or "csv"
+    if form == "parquet":
         parquet_library()
     if chosen.scheduler:
         dask_client(chosen.scheduler).close()
@@ -168,7 +192,7 @@ def _batch(chosen: argparse.Namespace, options: Options, topics: dict[str, str])
             raise
         common.say(f"interrupted; the sessions that were finished are kept in {folder / JOURNAL}: the same call goes on from there")
         return common.INTERRUPTED
-    table = folder / f"fits.{chosen.format}"
+    table = folder / f"fits.{form}"
     write_table(rows, table)
     failed = [row for row in rows if row["status"] != "ok"]
     print(f"{counted(len(rows) - len(failed), 'session')} fitted, {len(failed)} failed: {table}")
@@ -205,7 +229,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--thickness-mm", "--thickness_mm", type=float, help="thickness of the skin, for a fixed mass that is not declared")
     parser.add_argument("--motion", default=MEASURED, choices=(MEASURED, SINUSOID), help="depth as measured, or the sinusoid fitted to it")
     parser.add_argument("--offsets", action="store_true", help="fit a zero of every channel in every session, too")
-    parser.add_argument("--order", type=int, default=1, choices=(1, 2), help="from force to force: 1 without mass, 2 as thesis eq 32")
+    parser.add_argument("--order", type=int, choices=(1, 2), help="from force to force: 1 (the default) without mass, 2 as thesis eq 32")
     parser.add_argument("--loss", default=LINEAR, choices=LOSSES, help="all but linear reduce the influence of spikes")
     parser.add_argument("--keep-spikes", action="store_true", help="do not replace samples that jump away and back in one channel alone")
     parser.add_argument("--bootstrap", type=int, metavar="RUNS", help="also intervals by block bootstrap of the residual")
@@ -213,7 +237,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--each", action="store_true", help="fit every session by itself, in parallel, into one table; resumable")
     parser.add_argument("--jobs", type=int, help="processes for --each; default: one per core")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="Dask cluster to use for --each, as tcp://host:8786")
-    parser.add_argument("--format", default="csv", choices=("csv", "parquet"), help="format of the table of --each")
+    parser.add_argument("--format", choices=("csv", "parquet"), help="format of the table of --each; default: csv")
     parser.add_argument("--out", metavar="DIR", help="where model.yaml and fit.json go, or the table of --each; default: none")
     return parser
 

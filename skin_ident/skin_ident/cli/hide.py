@@ -7,11 +7,12 @@ from pathlib import Path
 
 from skin_ident.cli import common
 from skin_ident.criticism.usable import belong_together
-from skin_ident.hiding.drawing import ANYTHING, check_cause
+from skin_ident.hiding.campaign import NULL
+from skin_ident.hiding.drawing import ANYTHING, NOTHING, check_cause
 from skin_ident.hiding.errors import HidingError
 from skin_ident.hiding.hide import check_size, hide
 from skin_ident.hiding.writing import check_free, check_units, write_recordings
-from skin_ident.recordings.load import load
+from skin_ident.recordings.load import find, load
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.repeated import first_repeat
 from skin_models.words import counted
@@ -27,10 +28,15 @@ def _main(arguments: Sequence[str] | None) -> int:
     common.check_output(chosen.out)
     check_free(Path(chosen.out))
     common.check_seed(chosen.seed)
+    if chosen.cause in (NOTHING, NULL):
+        raise HidingError(
+            f"hide always hides something: hiding nothing is what challenge --causes {NULL} and identify --cause {NOTHING} do"
+        )
     check_cause(chosen.cause)
     check_size(chosen.size)
     truth = _truth_file(chosen.truth, Path(chosen.out))
-    recordings = _sessions(load(chosen.recordings, common.topics_of(chosen.topics), chosen.log_time))
+    topics, files = common.topics_of(chosen.topics), [file for path in chosen.recordings for file in find(path)]
+    recordings = _sessions(load(files, topics, chosen.log_time), files)
     common.say(f"hiding an effect in {counted(len(recordings), 'session')} …")
     changed, hidden = hide(recordings, chosen.cause, chosen.where, chosen.size, chosen.seed)
     folder = common.output_folder(chosen.out)
@@ -43,15 +49,17 @@ def _main(arguments: Sequence[str] | None) -> int:
     return 0
 
 
-def _sessions(loaded: list) -> list[Recording]:
+def _sessions(loaded: list, files: list[Path]) -> list[Recording]:
+    """What was loaded from `files`. Raises `HidingError` for what nothing can be hidden in, and for a measurement that is there twice."""
     scans = [r.name for r in loaded if not isinstance(r, Recording)]
     if scans:
         raise HidingError(f"{scans[0]} is a static spread scan; effects are hidden in sessions only")
     check_units(loaded)
     belong_together(loaded)
-    same = first_repeat(loaded)
-    if same:  # no rig records the same samples in two sessions
-        what = f"{same[0]} is given twice" if same[0] == same[1] else f"{same[0]} and {same[1]} hold the same samples"
+    repeat = first_repeat(loaded)
+    if repeat:  # no rig records the same samples in two sessions
+        one, other = (files[i] for i in repeat)
+        what = f"{one} is given twice" if one.resolve() == other.resolve() else f"{one} and {other} hold the same samples"
         raise HidingError(f"{what}: an effect is hidden in each recording once, leave one out")
     return loaded
 

@@ -13,7 +13,7 @@ from skin_ident.cli import common
 from skin_ident.cli.diagnose import progress_line, write
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.criticism.vocabulary import word_of
-from skin_ident.hiding.drawing import ANYTHING, check_cause, draw
+from skin_ident.hiding.drawing import ANYTHING, NOTHING, check_cause, draw
 from skin_ident.hiding.errors import HidingError
 from skin_ident.hiding.simulated_rig import SimulatedRig, varied
 from skin_ident.hiding.writing import check_free, write_recordings
@@ -30,7 +30,6 @@ from skin_models.parameter import parameters_of
 from skin_models.words import counted
 from skin_motion_profiles.profile_file import entry_from_words
 
-NOTHING = "none"
 FASTER = 4.0  # than real time, on the live rig
 
 
@@ -45,8 +44,7 @@ def _main(arguments: Sequence[str] | None) -> int:
         raise HidingError(f"--budget is in seconds of recording and positive, not {chosen.budget:g}")
     if chosen.specimen and chosen.cause != ANYTHING:
         raise HidingError("--specimen says what is in the specimen, and --cause hides something in one that is drawn: give one of them")
-    if chosen.cause != NOTHING:
-        check_cause(chosen.cause)
+    check_cause(chosen.cause, NOTHING)
     common.check_seed(chosen.seed)
     (common.check_empty if chosen.live else common.check_output)(chosen.out)  # a bag is not written over anything
     check_free(Path(chosen.out) / "recordings")

@@ -15,7 +15,7 @@ from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.telemetry.more_than_applied import in_newtons
 from skin_ident.criticism.telemetry.still import is_still
 from skin_ident.quality import FAR_TOO_MUCH, HARD, SOFT, far_too_little, impossible, most_felt, too_little
-from skin_ident.recordings.assemble import slow
+from skin_ident.recordings.assemble import counts_seconds
 from skin_ident.recordings.repeated import same
 from skin_models.model import Model
 from skin_models.words import counted
@@ -32,7 +32,8 @@ LONE_S = 10.0  # s, least length of a lone session, which is both fitted and hel
 
 
 def belong_together(recordings: list, model: Model | None = None) -> None:
-    """Raise `DiagnosisError` where sessions do not have the same channels, or lack what a diagnosis needs."""
+    """Raise `DiagnosisError` where sessions do not have the same channels, or lack what a diagnosis needs; `RecordingError` where their
+    times may be in milliseconds."""
     kinds = {(r.kind, len(r.taxels), r.force is not None) for r in recordings}
     if len(kinds) > 1:
         said = "; ".join(f"{r.name}: {_what_it_has(r)}" for r in recordings)
@@ -45,7 +46,7 @@ def belong_together(recordings: list, model: Model | None = None) -> None:
         raise DiagnosisError(f"{recordings[0].name} is alone and lasts {lasts:.3g} s: give {LONE_S:g} s or more, or a second session")
     slowest = max(r.longest_period for r in recordings)
     for r in recordings:
-        _counts_seconds(r)
+        counts_seconds(r)
         _says_what_is_what(r)
         _has_both_sides(r)
         _is_long_enough(r, slowest)
@@ -116,11 +117,6 @@ def something_moves(recordings: list) -> None:
         raise DiagnosisError(f"no taxel follows the depth {where}, and there is no load cell: check wiring and channels, and record again")
     if what == "depth" and recordings[0].force is not None and all(is_still(r.force) for r in recordings):
         raise DiagnosisError(f"the force does not follow the depth {where}: repair the load cell, or leave its column out")
-
-
-def _counts_seconds(r) -> None:
-    if doubt := slow(r):
-        raise DiagnosisError(f"{r.name}: {doubt} If it is not, declare sample_rate_hz in rig.yaml")
 
 
 def _says_what_is_what(r) -> None:

@@ -9,6 +9,7 @@ from skin_ident.estimators.estimate import FIXED, Estimate, Verdict
 from skin_ident.estimators.force_to_force import fit_force_to_force
 from skin_ident.estimators.robust import LINEAR
 from skin_ident.estimators.sinusoid import as_sinusoids
+from skin_ident.recordings.assemble import counts_seconds
 from skin_ident.recordings.mass import KnownMass, known_mass
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.repeated import without_repeats
@@ -108,9 +109,12 @@ def check(options: Options) -> None:
 
 
 def sessions_of(loaded: Sequence) -> tuple[list[Recording], list[str]]:
-    """The sessions among what was loaded, and the names of static scans. Raises `FitError` where there are only scans."""
+    """The sessions among what was loaded, and the names of static scans. Raises `FitError` where there are only scans, and
+    `RecordingError` where the time may be in milliseconds."""
     sessions = [r for r in loaded if isinstance(r, Recording)]
     scans = [r.name for r in loaded if not isinstance(r, Recording)]
     if not sessions:
         raise FitError(f"{scans[0]} is a static spread scan, which has no dispersion model: fit scans alone, or give it to diagnose")
+    for r in sessions:
+        counts_seconds(r)
     return sessions, scans

@@ -16,6 +16,7 @@ from skin_models.signals import Motion
 
 ROUNDS = 30  # Gauss-Newton steps at most
 BAD = 0.1  # ratio of rms error to amplitude from which a motion is no sinusoid
+INSTEAD = "leave out --motion sinusoid to use the measured motion"
 OUTSIDE = 5.0  # robust standard deviations: first samples with larger errors are cut off
 
 
@@ -52,16 +53,17 @@ def fit_sinusoid(t: np.ndarray, x: np.ndarray) -> Sinusoid:
         if new == first:
             break
         first = new
-    return _checked(t, linear, omega, error[first:], first)
+    return _checked(t, linear, omega, error[first:], first, float(np.ptp(x[first:])))
 
 
-def _checked(t: np.ndarray, linear: np.ndarray, omega: float, error: np.ndarray, first: int) -> Sinusoid:
+def _checked(t: np.ndarray, linear: np.ndarray, omega: float, error: np.ndarray, first: int, span: float) -> Sinusoid:
+    """The sinusoid. Raises `FitError`, also for the slow and huge one of which a short arc is fitted to motions that span far less (m)."""
     a, b, c = linear
     amplitude, rms = float(np.hypot(a, b)), float(np.sqrt(np.mean(error**2)))
-    if not rms < BAD * amplitude:
-        raise FitError(f"the depth is no sinusoid: the best one misses it by {1e6 * rms:.3g} um rms; use the measured motion")
+    if not rms < BAD * min(amplitude, 0.5 * span):
+        raise FitError(f"the depth is no sinusoid: the best one misses it by {1e6 * rms:.3g} um rms; {INSTEAD}")
     if omega * (t[-1] - t[first]) < 2 * np.pi:
-        raise FitError("the recording holds less than one period of the sinusoid")
+        raise FitError(f"the depth is no sinusoid, or less than one period of it was recorded; {INSTEAD}")
     start = float(np.mod(-np.arctan2(b, a), 2 * np.pi) / omega)
     return Sinusoid(amplitude, omega, float(c), start, rms, float(np.max(np.abs(error))), first)
 

@@ -13,7 +13,7 @@ from skin_models.catalogue import effects
 from skin_models.effect import Effect
 from skin_models.parameter import AMPLITUDE, Parameter, parameters_of
 
-ANYTHING = "any"
+ANYTHING, NOTHING = "any", "none"
 ARRAY = ("crosstalk",)  # causes that need more than one taxel
 POSSIBLE = {  # physically possible ranges, where the bounds for fits are wider
     ("crosstalk", "share"): (0.0, 0.5),  # a leak adds to the neighbour, and at least half of the force stays where it is
@@ -22,12 +22,12 @@ POSSIBLE = {  # physically possible ranges, where the bounds for fits are wider
 KEPT = {"outliers": ("rate",), "dead_taxel": ("lost",)}  # amplitudes that are not scaled but keep their typical value
 
 
-def check_cause(cause: str) -> None:
-    """Raises `HidingError` for a word that is no cause of the vocabulary, or a cause that no effect makes. Whether a recording can carry
-    the cause is not checked here."""
+def check_cause(cause: str, *others: str) -> None:
+    """Raises `HidingError` for a word that is no cause of the vocabulary and none of the `others`, or a cause that no effect makes. Whether
+    a recording can carry the cause is not checked here."""
     able = {cls.cause for cls in effects()} & set(BY_NAME)
-    if cause != ANYTHING and cause not in able:
-        raise HidingError(refused(cause, able))
+    if cause not in (ANYTHING, *others) and cause not in able:
+        raise HidingError(refused(cause, (*able, *others)))
 
 
 def refused(cause: str, able: Iterable[str], here: str = "") -> str:

@@ -237,6 +237,12 @@ def slow(r: Recording) -> str:
     return f"one sample in {r.dt:.3g} s for {r.t[-1] - r.t[0]:.3g} s: is the time in milliseconds?"
 
 
+def counts_seconds(r: Recording) -> None:
+    """Raises `RecordingError` where milliseconds may have been taken for seconds (see `slow`)."""
+    if doubt := slow(r):
+        raise RecordingError(f"{r.name}: {doubt} If it is not, declare sample_rate_hz in rig.yaml")
+
+
 def _sized(r: Recording, names: Sequence[str], low: np.ndarray, high: np.ndarray) -> Recording:
     largest = np.maximum(-low, high)
     worst = int(np.argmax(largest))

@@ -23,6 +23,7 @@ Static scans beside one `rig.yaml` are taken to be of one taxel under one skin, 
 Unknown keys are ignored with a warning, because the file may serve other programs too.
 """
 
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
@@ -35,6 +36,7 @@ import yaml
 from skin_ident.recordings.errors import RecordingError
 from skin_models.errors import ModelError
 from skin_models.strict_yaml import load_yaml
+from skin_models.words import counted
 
 FILE_NAME = "rig.yaml"
 PER_TAXEL = ("taxel_step_n", "taxel_noise_n")  # one number for all taxels, or one for each
@@ -102,9 +104,10 @@ class Declared:
         for key in (*PER_TAXEL, POSITIONS):
             said = len(getattr(self, key))
             if taxels and said not in (0, taxels) and not (said == 1 and key in PER_TAXEL):
-                each = "[x, y] for each" if key == POSITIONS else "one number for all, or one for each"
-                there = f"{taxels} taxel{'' if taxels == 1 else 's'}"
-                raise RecordingError(f"{key} in {FILE_NAME} speaks of {said}, but the recording has {there}: give {each}")
+                what, each = ("position", "[x, y] for each") if key == POSITIONS else ("number", "one number for all, or one for each")
+                raise RecordingError(
+                    f"{key} in {FILE_NAME} has {counted(said, what)}, but the recording has {counted(taxels, 'taxel')}: give {each}"
+                )
         return self
 
     def contact_of(self, recording: str) -> tuple[float, float]:
@@ -134,9 +137,9 @@ class Declared:
 
 def declared_beside(path: Path) -> Declared:
     """The declaration for `path` in the `rig.yaml` of its folder, or in `path` itself where that is a folder; an empty one where there is
-    none."""
+    none. Raises `RecordingError`, also for a folder of that name."""
     for folder in (path, path.parent) if path.is_dir() else (path.parent,):
-        if (folder / FILE_NAME).is_file():
+        if os.path.lexists(folder / FILE_NAME):
             return read_declared(folder / FILE_NAME).of(path.name)
     return Declared()
 

@@ -8,8 +8,8 @@ from skin_ident.recordings.bag import read_bag
 from skin_ident.recordings.declared import FILE_NAME, declared_beside
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.spread_table import is_spread_scan, read_spread_scan
+from skin_ident.recordings.storage import METADATA, is_bag
 from skin_ident.recordings.storage import SUFFIXES as BAGS
-from skin_ident.recordings.storage import is_bag
 from skin_ident.recordings.table import read_table
 from skin_models.errors import TableError
 from skin_models.tables.text import SUFFIXES as TABLES
@@ -51,6 +51,8 @@ def _found(path: Path) -> list[Path]:
     if not path.is_dir():
         raise RecordingError(f"{path} is neither a file nor a folder")
     found = _within(path)
+    if not found and (path / METADATA).is_file():
+        raise RecordingError(f"{path} holds the {METADATA} of a recording, but its recording file ({' or '.join(BAGS)}) is missing")
     if not found:
         raise RecordingError(f"{path} holds no recording: no rosbag2 directory, .mcap, or table ({', '.join(TABLES)})")
     return found

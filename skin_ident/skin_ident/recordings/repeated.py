@@ -23,10 +23,9 @@ def without_repeats(recordings: Sequence[Recording]) -> list[Recording]:
     return out
 
 
-def first_repeat(recordings: Sequence[Recording]) -> tuple[str, str] | None:
-    """The names of two recordings that hold the same measurement, or None."""
-    pairs = ((a, b) for i, b in enumerate(recordings) for a in recordings[:i])
-    return next(((a.name, b.name) for a, b in pairs if same(a, b)), None)
+def first_repeat(recordings: Sequence[Recording]) -> tuple[int, int] | None:
+    """The indices of two recordings that hold the same measurement, or None."""
+    return next(((i, j) for j, b in enumerate(recordings) for i, a in enumerate(recordings[:j]) if same(a, b)), None)
 
 
 def same(a: Recording, b: Recording) -> bool:

@@ -154,13 +154,14 @@ def _bridged(track: Track, name: str) -> Track:
     if not whole.any():
         raise RecordingError(f"{name}: no sample holds numbers in every channel")
     track = track.kept(slice(int(np.argmax(whole)), whole.size - int(np.argmax(whole[::-1]))))
-    blocks, filled = [], 0
+    blocks, filled, endless = [], 0, 0
     for rows in track.blocks:
         bad = ~np.isfinite(rows)
-        filled += int(bad.sum())
+        filled, endless = filled + int(bad.sum()), endless + int(np.isinf(rows).sum())
         mended = [np.where(b, np.interp(track.t, track.t[~b], row[~b]), row) if b.any() else row for row, b in zip(rows, bad, strict=True)]
         blocks.append(np.array(mended))
-    note = (f"{counted(filled, 'missing number')} interpolated",) if filled else ()
+    kinds = ((filled - endless, "missing number"), (endless, "infinite number"))
+    note = tuple(f"{counted(n, what)} interpolated" for n, what in kinds if n)
     return replace(track, blocks=tuple(blocks), warnings=(*track.warnings, *note), interpolated=filled > 0)
 
 

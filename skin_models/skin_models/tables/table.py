@@ -10,6 +10,7 @@ import numpy as np
 from skin_models.errors import TableError
 from skin_models.tables.text import read_rows, read_text
 from skin_models.tables.units import Column, column
+from skin_models.words import counted
 
 FARTHEST = 0.2  # m: no skin is indented so deep
 STRONGEST = 1e5  # N
@@ -41,7 +42,14 @@ def read_table(path: str | os.PathLike, text: str | None = None) -> Table:
     t = next((row for c, row in zip(columns, scaled, strict=True) if c.kind == "time"), None)
     order = sorted((i for i, c in enumerate(columns) if c.kind != "time"), key=lambda i: number_of(columns[i]))
     rows = np.array([scaled[i] for i in order]).reshape(len(order), values.shape[1])
-    return Table(t, tuple(columns[i] for i in order), rows, warnings)
+    return Table(t, tuple(columns[i] for i in order), rows, (*warnings, *_infinite(columns, values)))
+
+
+def _infinite(columns: Sequence[Column], values: np.ndarray) -> Iterator[str]:
+    """A warning for every column that holds infinite numbers: they are read as missing ones."""
+    for c, row in zip(columns, values, strict=True):
+        if endless := np.count_nonzero(np.isinf(row)):
+            yield f"{c.name}: {counted(endless, 'infinite number')}, taken for missing"
 
 
 def _check_columns(columns: Sequence[Column], values: np.ndarray) -> None:

@@ -33,6 +33,8 @@ def own_rig(name: str, layout: Layout, options: str) -> Rig:
 
 
 def _module(name: str) -> ModuleType:
+    if name.endswith(".py") and not Path(name).exists():
+        raise RigError(f"cannot load the rig {name}: no such file")
     try:
         if not name.endswith(".py"):
             return importlib.import_module(name)

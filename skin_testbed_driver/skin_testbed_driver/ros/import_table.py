@@ -8,6 +8,7 @@ possible.
 """
 
 import argparse
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -19,7 +20,7 @@ from skin_testbed_msgs.msg import TaxelArray
 
 from skin_models.errors import SkinError
 from skin_models.words import counted
-from skin_testbed_driver.bag import BagWriter, TopicInfo
+from skin_testbed_driver.bag import BagError, BagWriter, TopicInfo
 from skin_testbed_driver.rigs.replay import Recorded
 from skin_testbed_driver.rigs.table import read_table
 from skin_testbed_driver.ros import JOINT
@@ -30,19 +31,31 @@ _UNKNOWN = 2  # TaxelArray.STALE: the table has no number there
 
 
 def import_table(table: Path, directory: Path, start: float | None = None) -> Recorded:
-    """Write the bag of a table and return what it held. Raises `RigError`, or `BagError` where `directory` exists."""
+    """Write the bag of a table and return what it held. Raises `RigError`; `BagError` where `directory` exists, or cannot be written, in
+    which case nothing is left there."""
     recorded = read_table(table)
     begin = round(1e9 * (table.stat().st_mtime if start is None else start))
-    bag = BagWriter(directory)
+    rig, there = _rig_beside(table), directory.exists()
     try:
+        bag = BagWriter(directory, kept="nothing of it is kept")
         _write(bag, recorded, begin)
-        if (rig := table.parent / "rig.yaml").is_file():
-            bag.attach("rig.yaml", "application/yaml", rig.read_bytes(), begin)
+        if rig is not None:
+            bag.attach("rig.yaml", "application/yaml", rig, begin)
         bag.close()
     except BaseException:
-        shutil.rmtree(directory, ignore_errors=True)  # nothing half written
+        if not there:
+            shutil.rmtree(directory, ignore_errors=True)  # nothing half written
         raise
     return recorded
+
+
+def _rig_beside(table: Path) -> bytes | None:
+    """The content of the rig.yaml beside a table, or None where there is none. Raises `BagError`."""
+    path = table.parent / "rig.yaml"
+    try:
+        return path.read_bytes() if os.path.lexists(path) else None
+    except OSError as error:
+        raise BagError(f"cannot read {path}: {error.strerror}") from error
 
 
 def _write(bag: BagWriter, recorded: Recorded, begin: int) -> None:
