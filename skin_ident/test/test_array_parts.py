@@ -339,10 +339,8 @@ def test_what_three_taxels_cannot_tell_is_bounded_by_no_expectation():
 
 def test_a_dead_zone_of_one_taxel_leaves_the_shares_of_the_others_certain():
     dead = next(e for e in effects() if e.cause == "dead_zone" and e.form == "hard")
-    skin, s = (
-        Dispersion(m=0.0, b1=0.0, k1=3000.0, b2=0.0, k2=1000.0),
-        SimpleNamespace(motion=motion(np.arange(3.0), np.array([0.0, 1e-3, 0.0]))),
-    )
+    skin = Dispersion(m=0.0, b1=0.0, k1=3000.0, b2=0.0, k2=1000.0)
+    s = SimpleNamespace(motion=motion(np.arange(3.0), np.array([0.0, 1e-3, 0.0])))
     shares = np.array([0.01, 0.5, 0.01])
     own, all_alike = (Model(skin, shares=tuple(shares)).extended(dead(where, threshold=0.05)) for where in ("taxel_0", "taxel"))
     assert _swallowed(own, s, shares) == pytest.approx([0.05 / 3.0, 0.0, 0.0]) and np.count_nonzero(_swallowed(all_alike, s, shares)) == 2

@@ -249,11 +249,9 @@ class Search:
         if same is None:
             self.named.append(finding)
         else:
-            gain, lacks = (
-                self.gain(start, after.model, finding.where),
-                finding if finding.only else same,
-            )  # who lacks the one, lacks the other
-            more = replace(same, gain=gain, explained=same.explained + finding.explained, only=lacks.only, free=lacks.free)
+            gain, explained = self.gain(start, after.model, finding.where), same.explained + finding.explained
+            lacks = finding if finding.only else same  # a session that lacks one instance lacks all
+            more = replace(same, gain=gain, explained=explained, only=lacks.only, free=lacks.free)
             self.named = [more if n is same else n for n in self.named]
         self.doubts, self.set_aside = {}, {}
         compared = sum(s.seconds for s in self.train)

@@ -39,8 +39,8 @@ LOUDER = 1.35  # factor from which it is too loud where others are as declared
 # Correlation of neighbouring samples above which a channel is odd, if that of the others is below the second. An amplifier's own low-pass
 # makes as much as 0.8.
 COLOURED, WHITE = 0.88, 0.25
-QUICK = 0.25  # if that of the others is below this
-SWAYS, RESTS = 1.4, 1.1  # times the expected noise with its slow part: a channel is odd above the first, if the others are below the second
+QUICK = 0.25  # rms of the slow part of the others over their expected noise, below which one that has it is odd
+SWAYS, RESTS = 1.4, 1.1  # times the expected noise, slow part included: a channel is odd above the first, if others are below the second
 GROWN, STEADY = 1.6, 1.25  # growth with the load: a channel is odd above the first, if that of the others is below the second
 NOISE_SEEN = (
     f"looked for and not seen: found where it is {OTHER_LEVEL:g} times as large as declared or more, or so much smaller; and where, in "

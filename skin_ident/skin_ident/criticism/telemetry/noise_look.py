@@ -7,8 +7,8 @@ import numpy as np
 
 from skin_ident.criticism.telemetry.slow_part import AVERAGED_S, SlowPart, slow_part
 
-SLOW, SLOW_IN_AIR = 0.6, 0.5  # rms of the slow part over the expected noise, everywhere and in the air, from which a channel is odd,
-LOUDER_SLOWLY = 1.2  # times the expected noise, which it must reach with its slow part
+SLOW, SLOW_IN_AIR = 0.6, 0.5  # rms of the slow part over the expected noise, everywhere and in the air, from which noise is slow in part,
+LOUDER_SLOWLY = 1.2  # times the expected noise, which it must reach with its slow part as well
 IN_AIR = 0.1  # of the expected noise, below which a simulated load is none
 BURIED = 0.5  # rms of rounding over declared noise, from which the noise is buried: steps 1.7 times as wide as it
 DROWNED = 0.5  # rms of the simulation's error over the declared noise, from which that error is most of what is seen
