@@ -107,16 +107,20 @@ def test_a_shift_is_told_from_a_wrong_calibration_on_fine_arrays_and_coarse(scal
     assert shift == pytest.approx(off, abs=0.3 * np.linalg.norm(off))
 
 
+@pytest.mark.parametrize("in_turn", [False, True])
 @pytest.mark.parametrize("back", [False, True])
-def test_what_one_reading_leaves_in_the_next_is_crosstalk_and_no_other_place(back):
-    """A hundredth of the taxel that was read before it, or after it, as a multiplexer that does not settle leaves it."""
+def test_what_one_reading_leaves_in_the_next_is_crosstalk_and_no_other_place(back, in_turn):
+    """A hundredth of the taxel that was read before it, or after it, as a multiplexer that does not settle leaves it. Where that does not
+    rest in between, the last one is read before the first."""
     contacts = np.array([[1e-3, 0.0], [8e-3, 0.0], [11e-3, 0.0]])
     skin, layout = array(4, 0, contacts)
     shares = np.array([skin.shares(q) for q in contacts])
     heard = np.zeros_like(shares)
     heard[:, slice(None, -1) if back else slice(1, None)] = shares[:, slice(1, None) if back else slice(None, -1)]
+    heard = np.roll(shares, -1 if back else 1, axis=1) if in_turn else heard
     verdict = judge(replace(layout, gain_std=0.01), measured(shares + 0.015 * heard, 7))
-    assert verdict.named.key == ("crosstalk", "taxel") and form_of(verdict.named) == ("next" if back else "previous")
+    assert verdict.named.key == ("crosstalk", "taxel")
+    assert form_of(verdict.named) == ("next" if back else "previous") + "_in_turn" * in_turn
     assert ("after its own" if back else "before its own") in why(verdict.named, layout)
     assert ("off_centre", "rig") not in {j.key for j in verdict.rivals}
 

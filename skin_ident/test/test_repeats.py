@@ -206,6 +206,20 @@ def test_a_repeat_is_told_by_where_it_is_and_where_it_was():
     assert (r.at, r.start, r.source, r.origin, r.length) == (1, 400, 0, 100, 100)
 
 
+def test_a_session_that_is_a_copy_does_not_hide_a_block_in_another():
+    first, third = read(session(0)), read(session(1))
+    second = replace(first, name="second")
+    rows = {c: third.channels[c].copy() for c in third.channels}
+    for c in rows:
+        rows[c][1000:1400] = first.channels[c][300:700]
+    depth = third.depth.copy()
+    depth[1000:1400] = first.depth[300:700]
+    third = replace(third, name="third", depth=depth, force=rows["force"], taxels=np.array([rows[c] for c in rows if c != "force"]))
+    copied, block = sorted(find_copies([first, second, third]), key=lambda s: s.evidence["session"])
+    assert copied.evidence["kind"] == "copied session" and not copied.bad
+    assert block.evidence["session"] == "third" and all(np.count_nonzero(m) >= 380 for m in block.bad.values())
+
+
 def test_the_same_ramp_read_in_whole_steps_is_no_copy():
     """Two presses from different heights in the air, then one reading more with every sample."""
     x = np.concatenate([np.zeros(40), 1e-5 * np.arange(60), 6e-4 * np.ones(400)])

@@ -27,7 +27,7 @@ from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import noise_beside
 from skin_ident.criticism.sessions.cutoff import common_to
 from skin_ident.criticism.sessions.parting import without_parting
-from skin_ident.criticism.sessions.session import Session, longest, prepare
+from skin_ident.criticism.sessions.session import Session, delayed, longest, prepare
 from skin_ident.criticism.telemetry.quantization import depth_step
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telling.findings import found, of_reading, seen
@@ -170,7 +170,8 @@ def _group(c: Criticism, recordings: list, taxels: list[int], layout: Layout | s
     own = [s for s in looked.symptoms if s.where.startswith("taxel_")]
     k1 = c.extended.model.dispersion.k1
     plain = _without_taxels(c.extended.model, len(taxels), [layout.seen[i] for i in taxels] if isinstance(layout, Layout) else [])
-    train, held = ([without_parting(s, plain.dispersion) for s in sessions] for sessions in split(looked.sessions))
+    known = {s.name: s for s in (*c.train, *c.held)}
+    train, held = ([_as_found(without_parting(s, plain.dispersion), known[s.name]) for s in part] for part in split(looked.sessions))
     start = replace(plain, shares=_shares(plain, train))
     which = tuple(d for d in directions(longest(train)) if d.where.startswith("taxel_"))
     search = Search(train, held, which, lambda stage: None, step)
@@ -188,6 +189,12 @@ def _group(c: Criticism, recordings: list, taxels: list[int], layout: Layout | s
         tuple(symptom_of_all(s, taxels, names) for s in own),
         {i: s * model.dispersion.k1 / max(k1, 1e-9) for i, s in zip(taxels, model.shares, strict=True)},
     )
+
+
+def _as_found(session: Session, joint: Session) -> Session:
+    """A session of other taxels with what the `joint` search found to be the session's own and not of single taxels."""
+    lacks = frozenset(key for key in joint.lacks if not key[1].startswith("taxel_"))
+    return replace(delayed(session, joint.late), skin=joint.skin, hung=joint.hung, lacks=lacks)
 
 
 def _without_taxels(model: Model, count: int, places: list) -> Model:

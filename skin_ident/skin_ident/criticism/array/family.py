@@ -10,8 +10,8 @@ session s, which is displaced by `shift` along the layout's axes, and for an ell
     r^2 -> exp(-ratio) x^2 + exp(ratio) y^2 - 2 turn x y.
 
 A member is a vector of named entries: the logarithm `level` of a factor common to all sessions, the deviation `scale` of each session from
-it, then the quantities above. `repeat_3_2`, the share of taxel 2 that taxel 3 repeats, is not in the list of names, since there is one for
-every pair.
+it, then the quantities above. `previous_in_turn` and `next_in_turn` are `previous` and `next` of taxels that are counted in a ring.
+`repeat_3_2`, the share of taxel 2 that taxel 3 repeats, is not in the list of names, since there is one for every pair.
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,9 @@ from skin_ident.criticism.array.layout import Layout
 from skin_models.spread.footprint import Places
 
 HALF_SPACE = 1.5
-IN_ORDER = ("previous", "next")  # shares of the taxel that is read just before, or just after, in the order of their numbers
+# Shares of the taxel that is read just before, or just after, in the order of their numbers; where the reading goes round and round, the
+# last is the one before the first.
+IN_ORDER = ("previous", "next", "previous_in_turn", "next_in_turn")
 NEAR = 1e-18  # m^2, lower bound of r^2, so that any power can be taken of it
 
 
@@ -66,6 +68,9 @@ class Family:
             felt[:, 1:] += previous * own[:, :-1]
         if following := p.get("next", 0.0):
             felt[:, :-1] += following * own[:, 1:]
+        for name, step in (("previous_in_turn", 1), ("next_in_turn", -1)):
+            if heard := p.get(name, 0.0):
+                felt += heard * np.roll(own, step, axis=1)
         for name in filter(is_repeat, p):
             i, j = map(int, name.split("_")[1:])
             felt[:, i] += p[name] * own[:, j]

@@ -74,6 +74,7 @@ def _repeated(name: str, p: dict[str, float]) -> str:
         _, hearing, heard = name.split("_")
         return f"taxel_{hearing} repeats {p[name]:.1%} of taxel_{heard}"
     in_order = {"previous": "the one with the number before its own", "next": "the one with the number after its own"}
+    in_order |= {f"{name}_in_turn": f"{one}, in turn" for name, one in in_order.items()}
     heard = {"leak": "its neighbours", "common": "the mean of all"} | in_order
     return f"every taxel repeats {p[name]:.1%} of {heard[name]}"
 

@@ -49,7 +49,7 @@ def _blocks(recordings: list) -> list[Symptom]:
     channel."""
     again = repeats_of([np.array([r.read(c) for c in r.channels]).T for r in recordings])
     again = [r for r in again if r.is_rare and _is_copied_whole(recordings, r)]
-    return [_copy(recordings, again, tuple(recordings[0].channels))] if again else []
+    return _copies(recordings, again, tuple(recordings[0].channels))
 
 
 def _channel_blocks(recordings: list, known: dict[str, np.ndarray]) -> Iterator[Symptom]:
@@ -61,8 +61,7 @@ def _channel_blocks(recordings: list, known: dict[str, np.ndarray]) -> Iterator[
         again = [_on_grid(r, kept[r.at], kept[r.source]) for r in again]
         steps = [_step(r, channel) for r in recordings] if again else []
         again = [r for r in again if _is_copied(recordings, r, channel, steps[r.at])]
-        if again:
-            yield _copy(recordings, again, (channel,))
+        yield from _copies(recordings, again, (channel,))
 
 
 def _is_copied_whole(recordings: list, again: Repeat) -> bool:
@@ -178,6 +177,13 @@ def _unforeseen(y: np.ndarray) -> float:
 def _places(again: Repeat) -> tuple[slice, slice]:
     """The slices of the repetition and of its source."""
     return tuple(slice(start, start + again.length) for start in (again.start, again.origin))
+
+
+def _copies(recordings: list, again: list[Repeat], channels: tuple[str, ...]) -> list[Symptom]:
+    """One symptom for each session that is a copy from end to end, and one for all shorter stretches in the others."""
+    whole = {r.at: r for r in again if r.length >= WHOLE * len(recordings[r.at])}
+    shorter = [r for r in again if r.at not in whole]
+    return [_copy(recordings, some, channels) for some in (*([r] for r in whole.values()), shorter) if some]
 
 
 def _copy(recordings: list, again: list[Repeat], channels: tuple[str, ...]) -> Symptom:
