@@ -21,6 +21,7 @@ from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.search.unstuck import unstuck
 from skin_ident.criticism.search.weighing import with_hanging
 from skin_ident.criticism.sessions.band import Band
+from skin_ident.criticism.sessions.cutoff import common_to
 from skin_ident.criticism.sessions.parting import JOLTED, impacts, parted
 from skin_ident.criticism.sessions.session import motion_under, prepare, weighed
 from skin_ident.recordings.recording import Recording
@@ -302,3 +303,19 @@ def test_an_effect_at_the_end_of_its_range_has_finer_forms_that_may_be_tried(cls
         far = clipped(cls, **{p.name: np.clip(getattr(p, end), -1e9, 1e9) for p in parameters_of(cls)})
         finer = _finer(cls(next(iter(cls.places)), **far))
         assert finer and all(e.cause == cls.cause for e in finer)
+
+
+def test_the_bounds_of_a_fit_do_not_depend_on_which_recording_comes_first():
+    """Skin may seem to give energy back by as much as half a sample is late, of the slowest recording."""
+    skin = Dispersion(m=0.0, b1=5.0, k1=900.0, b2=5.0, k2=900.0)
+
+    def record(name, dt):
+        t = np.arange(0.0, 20.0, dt)
+        x = 1e-3 * np.sin(2.0 * t)
+        return Recording(name, t, x, np.clip(1800.0 * x, 0.0, None), np.clip(900.0 * x, 0.0, None)[None])
+
+    slow, quick = record("slow", 0.01), record("quick", 0.002)
+    for order in ([slow, quick], [quick, slow]):
+        common = common_to(order, 0.0)
+        lowest = {u.label: u.parameter.lower for u in unknowns(Model(skin, shares=(1.0,)), prepare(order[0], common=common))}
+        assert lowest["b1"] == pytest.approx(-0.5 * 0.01 * 900.0)

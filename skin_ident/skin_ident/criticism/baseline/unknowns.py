@@ -51,7 +51,7 @@ def _of_dispersion(model: Model, session: Session) -> Iterator[Unknown]:
     names = BY_FORCE if session.drive is not None else MATERIAL if _is_silent(session) else BY_DEPTH
     names = names if "force" in session.channels or session.drive is not None else TAXELS_ALONE
     names = (*names, "m") if session.free_mass else names
-    under_taxels, in_all = least_damping(model.dispersion, LATE * session.period)
+    under_taxels, in_all = least_damping(model.dispersion, LATE * session.longest_period)
     least, most = {"b1": under_taxels, "b2": in_all}, {"m": session.heaviest}
     for p in parameters_of(model.dispersion):
         if p.name in names:

@@ -225,7 +225,7 @@ def _linear_run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
     values = {s.name: _value(course, g, s, moments[s.name], z[s.name]) for s in g.sessions}
     said = {s.name: said_of(course, s.motion.t[0], moments[s.name], z[s.name]) for s in g.sessions}
     largest = max(float(np.abs(row).max(initial=0.0)) for row in z.values())
-    return Run(course, score, charge, largest, values, said, g.sessions[0].period, g.tare(course), moments, z)
+    return Run(course, score, charge, largest, values, said, g.sessions[0].longest_period, g.tare(course), moments, z)
 
 
 def _solved(course: Course, g: _Ground, at: Moments | None) -> tuple[Moments, Solution]:

@@ -88,7 +88,7 @@ def run_of(wave: Wave, model: Model, sessions: list[Session], score: float) -> R
     """The wave as a course (`Run`) of `sessions`."""
     said = {s.name: _said(wave.course, model, s, wave.values[s.name]) for s in sessions}
     values = {s.name: wave.values[s.name] for s in sessions}
-    return Run(wave.course, score, 0.0, max(float(np.abs(v).max()) for v in values.values()), values, said, sessions[0].period)
+    return Run(wave.course, score, 0.0, max(float(np.abs(v).max()) for v in values.values()), values, said, sessions[0].longest_period)
 
 
 def _courses(session: Session) -> Iterator[Course]:

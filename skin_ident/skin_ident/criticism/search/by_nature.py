@@ -173,7 +173,7 @@ def late_one_way(sensed: float, dispersed: float) -> Iterator[Key]:
 def _within_a_sample(mine: Instances) -> Iterator[Key]:
     """What skin or mount complete within one sample looks like a late depth."""
     fastest = min((getattr(e, name, np.inf) for e in mine.effects for name in ("tau", "late")), default=np.inf)
-    if mine.key[1] in ("skin", "rig") and fastest < mine.sessions[0].period:
+    if mine.key[1] in ("skin", "rig") and fastest < mine.sessions[0].longest_period:
         yield LATE_DEPTH
 
 

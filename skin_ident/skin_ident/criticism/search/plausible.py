@@ -53,7 +53,7 @@ def _drives(trial: Trial, sessions: list[Session]) -> bool:
     if not model.having(DAMPING):
         return False
     without, skin = model.lacking(DAMPING), model.dispersion
-    under_taxels, in_all = least_damping(skin, LATE * sessions[0].period)
+    under_taxels, in_all = least_damping(skin, LATE * sessions[0].longest_period)
     spare = [(0, skin.b1 + skin.b2 - in_all)] if "force" in sessions[0].channels else []
     if model.shares:
         spare.append((int(np.argmax(model.shares)) - len(model.shares), skin.b1 - under_taxels))

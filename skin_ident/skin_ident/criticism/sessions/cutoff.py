@@ -29,10 +29,12 @@ SHORTEST_S = 1.0  # s, shortest contact whose motion counts
 
 @dataclass(frozen=True)
 class Common:
-    """What the bands of compared recordings share: the longest sampling period of any channel, `slowest` s, and the `cutoff`, Hz."""
+    """What compared recordings share: the longest sampling period of any channel, `slowest` s, the `cutoff` of the band, Hz, and the
+    longest period of any recording, `rarest` s."""
 
     slowest: float = 0.0
     cutoff: float = CUTOFF_HZ
+    rarest: float = 0.0
 
 
 ALONE = Common()
@@ -40,7 +42,7 @@ ALONE = Common()
 
 def common_to(recordings: list, step: float) -> Common:
     """The common period and cut-off of recordings whose depth is read in steps of `step` m, with noise besides."""
-    return Common(max(r.longest_period for r in recordings), cutoff_for(recordings, step))
+    return Common(max(r.longest_period for r in recordings), cutoff_for(recordings, step), max(r.dt for r in recordings))
 
 
 def cutoff_for(recordings: list, step: float) -> float:

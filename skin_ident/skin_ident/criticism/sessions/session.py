@@ -57,6 +57,7 @@ class Session:
     reference: int | None = None  # the taxel whose share is held at `spread` in any case
     steps: tuple[float, ...] = ()  # N, spacing of each channel's levels; 0 where none are seen
     depth_noise: float = 0.0  # m rms, white noise of the encoder beyond rounding to its steps
+    rarest: float = 0.0  # s, longest sampling period of the recordings that it is compared with
 
     @cached_property
     def n_taxels(self) -> int:
@@ -72,6 +73,11 @@ class Session:
     def answers(self) -> np.ndarray:
         """Mask (C,) of the channels that are not stuck."""
         return np.array([c not in self.stuck for c in self.channels])
+
+    @property
+    def longest_period(self) -> float:
+        """Longest sampling period, s, of this session and those that it is compared with: what is bounded by it is the same in all."""
+        return max(self.period, self.rarest)
 
     @property
     def seconds(self) -> float:
@@ -120,6 +126,7 @@ def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) ->
         spread=recording.spread,
         contact=1e-3 * np.array(recording.declared.contact_of(recording.name), float),
         steps=tuple(recording.step(c) or 0.0 for c in channels),
+        rarest=common.rarest,
     )
     if drive is None:
         return replace(session, depth_noise=beside_rounding(recording))
