@@ -247,16 +247,6 @@ def test_taxels_that_are_read_in_turn_are_each_later_than_the_one_before(per_tax
         assert np.allclose(late[at < t[0] - s.dt], way(t[0])) and np.allclose(late[at > t[-1] + s.dt], way(t[-1]))
 
 
-@pytest.mark.parametrize("back", [-1.6, 0.3, 0.5, 1.5, 7.2])
-def test_a_delay_between_two_samples_is_no_filter(back):
-    s = at_times(np.zeros(200))
-    way = lambda t: np.sin(2.0 * np.pi * 5.0 * t)  # noqa: E731
-    t = np.arange(200) * s.dt
-    late = TimeShift(where="clock", delay=back * s.dt).batch(way(t), s)
-    within = (t - back * s.dt > 4.0 * s.dt) & (t - back * s.dt < t[-4])
-    assert np.abs(late - way(t - back * s.dt))[within].max() < 5e-4  # a straight line between samples takes up to 1.2 %
-
-
 def test_a_running_simulation_passes_an_early_channel_on():
     e, s = TimeShift(where="clock", delay=-0.03), at_times(np.zeros(5))
     state = e.initial()
