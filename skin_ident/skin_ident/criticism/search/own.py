@@ -86,9 +86,12 @@ def _gain_of(search: Search, run: Run, before: Model, after: Model) -> Gain:
 
 
 def _of_any_skin(search: Search, run: Run, model: Model, held: list[Session], noise: Whitener) -> list[Session]:
-    """The held-out sessions as a course is compared in them. Another skin looks like another zero of depth, and where few sessions were
-    fitted, like another gain: there it is another skin that they have, and a course must gain, and is fitted, beside that."""
-    like_skin = run.course.carrier == DEPTH or (run.course.carrier == SLOPE and too_few_for_a_pattern(search.train))
+    """The held-out sessions as a course is compared in them. Another skin looks like another zero of depth; and where few sessions were
+    fitted, like what is constant of a gain that steps in them. There it is another skin that they have, and a course must gain, and is
+    fitted, beside that. A gain that is constant in every session is nothing else, and is told from skin by how it goes from one to the
+    next."""
+    stepping = (run.course.carrier, run.course.shape) == (SLOPE, STEPS)
+    like_skin = run.course.carrier == DEPTH or (stepping and too_few_for_a_pattern(search.train))
     if not (like_skin and held and may_be_another_skin(model, held)):
         return held
     return [with_own_skin(model, s, noise) for s in held]
