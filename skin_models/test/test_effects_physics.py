@@ -238,13 +238,10 @@ def test_a_delay_and_a_skew_shift_a_line_exactly():
 def test_taxels_that_are_read_in_turn_are_each_later_than_the_one_before(per_taxel):
     s = at_times(np.zeros(200))
     t = np.arange(200) * s.dt
-    ways = [lambda t: np.sin(3.0 * t), lambda t: 2.0 * np.sin(3.0 * t), lambda t: np.cos(5.0 * t)]
-    read = Scanning(where="clock_taxels", per_taxel=per_taxel).batch(np.stack([way(t) for way in ways]), s)
-    for i, (way, late) in enumerate(zip(ways, read, strict=True)):
-        at = t - i * per_taxel
-        within = (at >= t[2]) & (at <= t[-3])  # four samples on the way itself
-        assert np.allclose(late[within], way(at[within]), atol=1e-8)
-        assert np.allclose(late[at < t[0] - s.dt], way(t[0])) and np.allclose(late[at > t[-1] + s.dt], way(t[-1]))
+    rows = np.stack([np.sin(3.0 * t), 2.0 * np.sin(3.0 * t), np.cos(5.0 * t)])
+    read = Scanning(where="clock_taxels", per_taxel=per_taxel).batch(rows, s)
+    for i, (row, late) in enumerate(zip(rows, read, strict=True)):
+        assert np.allclose(late, np.interp(t - i * per_taxel, t, row))
 
 
 def test_a_running_simulation_passes_an_early_channel_on():

@@ -99,9 +99,9 @@ def test_a_bank_walks_and_is_late():
     bank = TaxelBank(count=2000, walk=0.1, delay=0.005)
     state = bank.initial()
     for i in range(101):
-        state, y = bank.step(state, np.full(2000, 0.1 * max(i - 40, 0)), 0.01)
+        state, y = bank.step(state, np.full(2000, float(i >= 50)), 0.01)
         if i == 50:
-            assert y.mean() == pytest.approx(0.95, abs=0.02)  # half a period late
+            assert y.mean() == pytest.approx(0.5, abs=0.02)  # half a period late
     assert y.std() == pytest.approx(0.1, rel=0.1)
 
 

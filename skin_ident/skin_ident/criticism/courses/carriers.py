@@ -9,7 +9,6 @@ import numpy as np
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.sessions.session import Session
 from skin_models.effects.position_offset import PositionOffset
-from skin_models.effects.time_shift import shifted
 from skin_models.model import Model
 from skin_models.signals import Motion
 
@@ -39,7 +38,7 @@ def _later(rows: np.ndarray, m: Motion, late: np.ndarray | float) -> np.ndarray:
     slope = -np.gradient(rows, m.dt, axis=1)
     if not np.any(late):
         return slope
-    secant = (shifted(rows, np.arange(len(m)) - late / m.dt) - rows) / np.where(late == 0.0, 1.0, late)
+    secant = np.array([np.interp(m.t - late, m.t, y) - y for y in rows]) / np.where(late == 0.0, 1.0, late)
     return np.where(np.abs(late) > 0.1 * m.dt, secant, slope)
 
 
