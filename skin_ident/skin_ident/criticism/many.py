@@ -27,7 +27,7 @@ from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import noise_beside
 from skin_ident.criticism.sessions.cutoff import common_to
 from skin_ident.criticism.sessions.parting import without_parting
-from skin_ident.criticism.sessions.session import Session, delayed, longest, prepare
+from skin_ident.criticism.sessions.session import Session, longest, prepare
 from skin_ident.criticism.telemetry.quantization import depth_step
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telling.findings import found, of_reading, seen
@@ -194,7 +194,8 @@ def _group(c: Criticism, recordings: list, taxels: list[int], layout: Layout | s
 def _as_found(session: Session, joint: Session) -> Session:
     """A session of other taxels with what the `joint` search found to be the session's own and not of single taxels."""
     lacks = frozenset(key for key in joint.lacks if not key[1].startswith("taxel_"))
-    return replace(delayed(session, joint.late), skin=joint.skin, hung=joint.hung, lacks=lacks)
+    mine = {"beyond": session.beyond, "spread": session.spread, "reference": session.reference}
+    return session.with_own_of(replace(joint, lacks=lacks, **mine))
 
 
 def _without_taxels(model: Model, count: int, places: list) -> Model:

@@ -57,9 +57,9 @@ class Said:
 def find_outliers(
     channels: tuple[str, ...], sessions: Sequence[Said], dt: float, steps: Sequence[float] = (), reads: float = 0.0
 ) -> list[Symptom]:
-    """Excursions and frozen runs, one symptom per channel. Sessions without a recording are sampled every `dt` s.
-    `steps` of the converters are estimated where they are not given. A run that
-    stands still misses nothing if the encoder, whose resolution `reads` m, stands still as well."""
+    """Excursions and frozen runs, one symptom per channel. Sessions without a recording are sampled every `dt` s. `steps` of the
+    converters are estimated where they are not given. A run that stands still misses nothing if the encoder, whose resolution `reads` m,
+    stands still as well."""
     steps = steps or [0.0] * len(channels)
     residuals, jumps = [s.residual for s in sessions], [s.jumps for s in sessions]
     paths, dts = [s.path for s in sessions if s.path is not None], [s.recording.dt if s.recording else dt for s in sessions]

@@ -41,8 +41,7 @@ def told(
     dts: list[float],
 ) -> Symptom | None:
     """The symptom of a channel's excursions `away` and frozen runs `still`, masks (N,) of each session, sampled every `dts` s; None where
-    there are none. `read`
-    marks the same and more at the channel's own readings."""
+    there are none. `read` marks the same and more at the channel's own readings."""
     ran = [line.kept(a, grid) for line, a, grid in zip(lines, read.away, away, strict=True)]
     stood = [line.kept(f | u, grid) for line, f, u, grid in zip(lines, read.still, read.unlikely, still, strict=True)]
     masks = [a | s for a, s in zip(ran, stood, strict=True)]

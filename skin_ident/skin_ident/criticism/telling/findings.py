@@ -202,6 +202,7 @@ def _separating(named: Named, experiments: Experiments, driven: bool) -> tuple[s
 def telemetry_words(recordings: list, given: bool) -> dict[str, str]:
     """For causes that telemetry decides: why it could not look, or "" where it did."""
     declared = recordings[0].declared
+    noise = declared.force_noise_n or declared.taxel_noise_n or declared.encoder_noise_um
     return {
         "outliers": "",
         "dead_taxel": "" if len(recordings[0].taxels) else "there is no taxel in these recordings",
@@ -209,9 +210,7 @@ def telemetry_words(recordings: list, given: bool) -> dict[str, str]:
         "interference": "",
         "saturation": "",
         "quantization": "",  # except for undeclared steps, see `_steps_seen`
-        "noise": ""
-        if declared.force_noise_n or declared.taxel_noise_n or declared.encoder_noise_um
-        else "rig.yaml does not declare a noise level",
+        "noise": "" if noise else "rig.yaml does not declare a noise level",
         "parameters": "" if given else "no model was given to compare with",
     }
 
