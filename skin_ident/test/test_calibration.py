@@ -95,6 +95,20 @@ def test_a_calibration_of_what_is_in_newtons_already_is_said_to_be_unused(tmp_pa
     assert main([path, "--what", "calibration"]) == 2 and "rig.yaml calibrates taxel_0 already" in capsys.readouterr().err
 
 
+def test_taxels_of_a_bag_keep_their_places_where_only_some_are_calibrated(tmp_path):
+    def in_volts(_, __, message):
+        return replace(message, force=np.array([]), voltage=message.force / 10.0) if hasattr(message, "voltage") else message
+
+    made = recording(n=300, shares=(1.0, 0.5, 0.2))
+    write_bag(tmp_path / "bag", made, change=in_volts)
+    lines = "{taxel_0: {slope_n_per_v: 10, zero_v: 0}, taxel_2: {slope_n_per_v: 10, zero_v: 0}}"
+    (tmp_path / "bag" / "rig.yaml").write_text(f"calibration: {lines}\ntaxel_noise_n: [0.1, 0.2, 0.3]\n")
+    (r,) = load(tmp_path / "bag")
+    assert r.taxel_names == ("taxel_0", "taxel_1", "taxel_2") and r.taxel_units == ("N", "V", "N")
+    assert np.allclose(r.taxels, made.taxels * [[1.0], [0.1], [1.0]])
+    assert [w.partition(" is in volts")[0] for w in r.warnings if "no calibration" in w] == ["taxel_1"]
+
+
 @pytest.mark.parametrize(
     ("call", "says"),
     [(lambda: calibrate([recording(n=100)]), "volts"), (lambda: fit_line([np.zeros(50)], [np.zeros(50)]), "never changes"),

@@ -172,20 +172,23 @@ def _some_numbers(name: str, parts: Sequence[Channels]) -> None:
 
 
 def _calibrated(t: np.ndarray, part: Channels, declared: Declared, notes: list[str]) -> list[Channels]:
-    """Volts to newtons where a slope is declared. Uncalibrated volts stay, with a warning; a force in volts is refused."""
+    """Volts to newtons where a slope is declared, every row in its place, for positions and noise are given by it. Uncalibrated volts
+    stay, with a warning; a force in volts is refused."""
     if part.unit != "V":
         return [part]
-    known = {n: c for n in part.names for c in [declared.calibration.get(n) or declared.calibration.get(f"{n}_V")] if c}
-    out = [_in_newtons(t, part.only([other == n for other in part.names]), c, notes) for n, c in known.items()]
-    rest = part.only([n not in known for n in part.names])
-    if rest.names and rest.kind == "force":
-        raise RecordingError(f"{rest.names[0]} is in volts: declare its slope_n_per_v under calibration in rig.yaml")
+    lines = [declared.calibration.get(n) or declared.calibration.get(f"{n}_V") for n in part.names]
+    bare = [n for n, line in zip(part.names, lines, strict=True) if line is None]
+    if bare and part.kind == "force":
+        raise RecordingError(f"{bare[0]} is in volts: declare its slope_n_per_v under calibration in rig.yaml")
     notes += [
         f"{n} {UNCALIBRATED}: it is taken for a taxel and used as it is, so that N means V there. If it is the load "
         f"cell, declare in rig.yaml calibration: {{{n}: {{channel: force, slope_n_per_v: …}}}}; if a taxel, its slope_n_per_v"
-        for n in rest.names
+        for n in bare
     ]
-    return [*out, rest]
+    if not any(lines):
+        return [part]
+    rows = [part.only([other == n for other in part.names]) for n in part.names]
+    return [_in_newtons(t, one, line, notes) if line else one for one, line in zip(rows, lines, strict=True)]
 
 
 def _in_newtons(t: np.ndarray, one: Channels, c: Calibration, notes: list[str]) -> Channels:
