@@ -1,6 +1,7 @@
 """`diagnose` as a user meets it: what cannot be right is asked about in one sentence, and who interrupts it finds nothing left behind."""
 
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -113,6 +114,38 @@ def test_nothing_of_an_earlier_answer_stays_beside_another(tmp_path):
     left = answered(tmp_path / "with_model", baseline=skin, model=skin, batteries={"separating.yaml": "new"})
     assert {*left} == {*THEIRS, "baseline.yaml", "model.yaml", "separating.yaml"} and left["separating.yaml"] == "new"
     assert theirs.items() <= left.items() and "earlier" not in (left["model.yaml"], left["baseline.yaml"])
+
+
+@pytest.mark.parametrize("failing", ["write_report", "save_traces", "save_model"])
+@pytest.mark.parametrize("failure", [OSError(28, "No space left on device"), KeyboardInterrupt()])
+def test_an_answer_that_cannot_be_written_leaves_the_earlier_one_whole(tmp_path, monkeypatch, failing, failure):
+    def broken(*given):
+        raise failure
+
+    skin = material("silicone_4mm").model
+    diagnose.write(Outcome(FINDINGS, baseline=skin, model=skin, batteries={"separating.yaml": "earlier"}), tmp_path)
+    earlier = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
+    monkeypatch.setattr(diagnose, failing, broken)
+    with pytest.raises(type(failure)):
+        diagnose.write(Outcome({**FINDINGS, "verdict": "unexplained"}, baseline=skin, model=skin), tmp_path)
+    assert len(earlier) > 5 and {p.name: p.read_bytes() for p in tmp_path.iterdir()} == earlier
+
+
+def test_an_answer_that_is_stopped_while_it_is_put_in_place_is_none(tmp_path, monkeypatch):
+    diagnose.write(Outcome(FINDINGS), tmp_path)
+    move, moved = Path.replace, []
+
+    def stopped(file, target):
+        if target.parent == tmp_path:
+            moved.append(target.name)
+        if len(moved) == 2:
+            raise KeyboardInterrupt
+        return move(file, target)
+
+    monkeypatch.setattr(Path, "replace", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        diagnose.write(Outcome(FINDINGS), tmp_path)
+    assert not (tmp_path / "findings.json").exists() and not [p for p in tmp_path.iterdir() if p.is_dir()]
 
 
 def test_a_model_in_a_folder_without_an_answer_is_somebodys_own(tmp_path):

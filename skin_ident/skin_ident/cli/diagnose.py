@@ -3,6 +3,7 @@
 import argparse
 import re
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -20,9 +21,11 @@ from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.repeated import same
 from skin_ident.report import save_traces, write_report
 from skin_ident.report.terminal import summary
+from skin_ident.report.write import PICTURES
 from skin_models.model_file import load_model, save_model
 
 BASELINE, MODEL = "baseline.yaml", "model.yaml"
+UNFINISHED = ".unfinished_"  # begins the name of the folder in which an answer is written
 BATTERY = re.compile(r"separating(_[1-9]\d*)?\.yaml")  # as separating_experiments names them
 
 
@@ -110,26 +113,38 @@ def warned(recording, said: str):
 
 
 def write(outcome: Outcome, folder: Path) -> None:
-    """Write findings.json, model.yaml (and baseline.yaml, what it started from), separating batteries, and the report with its data."""
-    write_report(outcome, folder)
-    save_traces(outcome, folder)
-    if outcome.model is not None:
-        save_model(outcome.baseline, folder / BASELINE)
-        save_model(outcome.model, folder / MODEL, outcome.std)
-    _remove_earlier(outcome, folder)
-    for file, battery in outcome.batteries.items():
-        (folder / file).write_text(battery, encoding="utf-8")
-    common.write_json(folder / common.FINDINGS, outcome.findings)
+    """Write findings.json, model.yaml (and baseline.yaml, what it started from), separating batteries, and the report with its data.
 
-
-def _remove_earlier(outcome: Outcome, folder: Path) -> None:
-    """Remove models and batteries of an earlier answer that this one does not write again: they would seem to belong to it.
-
-    A folder without findings holds no answer, and whatever is in it is somebody's own, as are all names that are not given here.
+    Everything is written apart first and put in place together. An earlier answer stays as it was until then; its findings.json goes first
+    and the new one comes last, for a folder without it holds no answer. Raises `SkinError` or `OSError`.
     """
-    again = {*outcome.batteries, *((BASELINE, MODEL) if outcome.model is not None else ())}
-    earlier = folder.glob("*.yaml") if (folder / common.FINDINGS).exists() else ()
-    for file in earlier:
+    with tempfile.TemporaryDirectory(prefix=UNFINISHED, dir=folder) as name:  # within the folder: beside it may be another file system
+        fresh = Path(name)
+        write_report(outcome, fresh)
+        save_traces(outcome, fresh)
+        if outcome.model is not None:
+            save_model(outcome.baseline, fresh / BASELINE)
+            save_model(outcome.model, fresh / MODEL, outcome.std)
+        for file, battery in outcome.batteries.items():
+            (fresh / file).write_text(battery, encoding="utf-8")
+        common.write_json(fresh / common.FINDINGS, outcome.findings)
+        _remove_earlier(folder, {file.name for file in fresh.iterdir()})
+        for file in sorted(fresh.iterdir(), key=lambda file: file.name == common.FINDINGS):
+            file.replace(folder / file.name)
+
+
+def _remove_earlier(folder: Path, again: set[str]) -> None:
+    """Remove the findings of an earlier answer, and of its pictures, models and batteries those that are not written `again`: they would
+    seem to belong to this one.
+
+    A folder without findings holds no answer, and models and batteries in it are somebody's own, as are all names that are not given here.
+    """
+    for name in set(PICTURES) - again:
+        (folder / name).unlink(missing_ok=True)
+    if not (folder / common.FINDINGS).exists():
+        return
+    (folder / common.FINDINGS).unlink()
+    for file in folder.glob("*.yaml"):
         if file.name not in again and (file.name in (BASELINE, MODEL) or BATTERY.fullmatch(file.name)):
             file.unlink()
 
