@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from skin_ident.cli import common
 from skin_ident.cli.common import refusal
 from skin_ident.cli.hide import main
 from skin_ident.criticism.sessions.session import prepare
@@ -157,6 +158,39 @@ def test_a_full_disk_is_said_with_the_file(tmp_path, monkeypatch):
     with pytest.raises(OSError, match="No space") as error:
         write_recordings(BASE[:1], tmp_path)
     assert refusal(error.value) == f"No space left on device ({tmp_path / 'session_1.csv'})" and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("rigs", ["one rig", "two rigs"])
+@pytest.mark.parametrize("failure", [OSError(28, "No space left on device"), KeyboardInterrupt()])
+def test_half_a_set_of_tables_is_not_left(tmp_path, monkeypatch, rigs, failure):
+    sessions = [r.part(0, 300) for r in BASE]
+    if rigs == "two rigs":
+        sessions[1] = replace(sessions[1], declared=replace(sessions[1].declared, skin_thickness_mm=4.0))
+    write, done = np.savetxt, []
+
+    def full(*given, **how):
+        done.append(given)
+        if len(done) == 2:
+            raise failure
+        write(*given, **how)
+
+    monkeypatch.setattr(np, "savetxt", full)
+    with pytest.raises(type(failure)):
+        write_recordings(sessions, tmp_path)
+    assert not list(tmp_path.iterdir())
+    assert [r.name for r in load(write_recordings(sessions, tmp_path))] == ["session_1.csv", "session_2.csv"]
+
+
+def test_without_the_truth_no_table_is_left(command, base, tmp_path, monkeypatch):
+    def stopped(*given):
+        raise KeyboardInterrupt
+
+    arguments = (base, "--cause", "friction", "--size", 3, "--out", tmp_path / "out")
+    (tmp_path / "out").mkdir()
+    with monkeypatch.context() as truth:
+        truth.setattr(common, "write_json", stopped)
+        assert command(*arguments).status == 130
+    assert not list((tmp_path / "out").iterdir()) and command(*arguments).status == 0
 
 
 def test_nothing_of_somebody_elses_is_overwritten(command, base, tmp_path):

@@ -11,7 +11,7 @@ from skin_ident.hiding.campaign import NULL
 from skin_ident.hiding.drawing import ANYTHING, NOTHING, check_cause
 from skin_ident.hiding.errors import HidingError
 from skin_ident.hiding.hide import check_size, hide
-from skin_ident.hiding.writing import check_free, check_units, write_recordings
+from skin_ident.hiding.writing import check_free, check_units, whole_recordings
 from skin_ident.recordings.load import find, load
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.repeated import first_repeat
@@ -41,8 +41,9 @@ def _main(arguments: Sequence[str] | None) -> int:
     changed, hidden = hide(recordings, chosen.cause, chosen.where, chosen.size, chosen.seed)
     folder = common.output_folder(chosen.out)
     common.output_folder(str(truth.parent))
-    tables = write_recordings(changed, folder)
-    common.write_json(truth, {"hidden": [hidden.as_dict()], "recordings": [r.name for r in recordings], "tables": [t.name for t in tables]})
+    with whole_recordings(changed, folder) as tables:
+        told = {"hidden": [hidden.as_dict()], "recordings": [r.name for r in recordings], "tables": [t.name for t in tables]}
+        common.write_json(truth, told)
     if hidden.hardly_seen:
         common.say(f"warning: {hidden.hardly_seen}")
     common.say(f"wrote {counted(len(tables), 'table')} into {folder}, and the truth (to be read after the search only) into {truth}")

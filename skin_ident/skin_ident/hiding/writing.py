@@ -1,5 +1,7 @@
 """Writes recordings as tables, with a rig.yaml that says what is known of them."""
 
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import fields
 from pathlib import Path
 
@@ -22,18 +24,32 @@ def check_free(folder: Path) -> None:
 
 
 def write_recordings(recordings: list[Recording], folder: Path) -> list[Path]:
-    """Write one table per session with its rig.yaml, each in a folder of its own where the sessions do not share one rig. Returns the paths
-    of the tables. Raises `HidingError` where the folder is not free."""
+    """Write one table per session with its rig.yaml, each in a folder of its own where the sessions do not share one rig: all of them, or
+    none. Returns the paths of the tables. Raises `HidingError` where the folder is not free, or `OSError`."""
+    with whole_recordings(recordings, folder) as tables:
+        return tables
+
+
+@contextmanager
+def whole_recordings(recordings: list[Recording], folder: Path) -> Iterator[list[Path]]:
+    """As `write_recordings`; the files are put in place at the end of the block, if nothing fails in it."""
     check_free(folder)
     alike = all(r.declared == recordings[0].declared for r in recordings)
-    tables = []
-    for i, r in enumerate(recordings, 1):
-        own = folder if alike else folder / f"session_{i}"
-        own.mkdir(parents=True, exist_ok=True)
-        tables.append(_table(r, own / f"session_{i}.csv"))
-        with whole_file(own / FILE_NAME) as partial:
-            partial.write_text(_rig(r.declared), encoding="utf-8")
-    return tables
+    places = [folder if alike else folder / f"session_{i}" for i in range(1, len(recordings) + 1)]
+    tables = [place / f"session_{i}.csv" for i, place in enumerate(places, 1)]
+    try:
+        with ExitStack() as together:
+            for r, place, table in zip(recordings, places, tables, strict=True):
+                place.mkdir(parents=True, exist_ok=True)
+                _table(r, together.enter_context(whole_file(table)))
+            for place, declared in {place: r.declared for r, place in zip(recordings, places, strict=True)}.items():
+                together.enter_context(whole_file(place / FILE_NAME)).write_text(_rig(declared), encoding="utf-8")
+            yield tables
+    except BaseException:
+        for place in () if alike else places:
+            with suppress(OSError):  # it was not made yet
+                place.rmdir()
+        raise
 
 
 def check_units(recordings: list[Recording]) -> None:
@@ -43,14 +59,12 @@ def check_units(recordings: list[Recording]) -> None:
         raise HidingError(f"{raw[0]} has taxels in volts: declare their calibration in {FILE_NAME} first")
 
 
-def _table(r: Recording, path: Path) -> Path:
+def _table(r: Recording, path: Path) -> None:
     columns = {"t_s": r.t - r.t[0]}
     if r.depth is not None:
         columns["x_mm"] = 1e3 * r.depth
     columns |= {f"{name}_n": y for name, y in r.channels.items()}
-    with whole_file(path) as partial:
-        np.savetxt(partial, np.array(list(columns.values())).T, "%.9g", ",", header=",".join(columns), comments="", encoding="utf-8")
-    return path
+    np.savetxt(path, np.array(list(columns.values())).T, "%.9g", ",", header=",".join(columns), comments="", encoding="utf-8")
 
 
 def _rig(declared: Declared) -> str:
