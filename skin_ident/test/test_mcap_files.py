@@ -2,13 +2,19 @@
 
 import subprocess
 import sys
+from functools import partial
 
+import making
 import numpy as np
 import pytest
 from making import recording, same, write_bag, write_mcap
+from mcap.writer import IndexType
+from mcap.writer import Writer as McapWriter
 
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.load import load
+from skin_ident.recordings.mcap_file import survey
+from skin_ident.recordings.recording import Recording
 
 R = recording(n=300, shares=(1.0, 0.4))
 
@@ -37,6 +43,11 @@ def test_mcap_without_summary_or_index_reads_the_same(tmp_path):
     kept = b"".join(data[at : at + size] for op, at, size in records(data) if op not in (7, 8, 11, 14, 2, 10, 13))
     (tmp_path / "b.mcap").write_bytes(data[:8] + kept)
     assert same(load(tmp_path / "b.mcap")[0], R, 1e-15)
+
+
+def test_mcap_without_message_indexes_reads_the_same(tmp_path, monkeypatch):
+    monkeypatch.setattr(making, "McapWriter", partial(McapWriter, index_types=IndexType.ALL & ~IndexType.MESSAGE))
+    assert same(load(write_mcap(tmp_path / "a.mcap", R))[0], R, 1e-15)
 
 
 def test_mcap_without_chunks_reads_the_same(tmp_path):
@@ -105,3 +116,45 @@ def test_a_bag_that_lost_its_file_is_told_from_an_empty_folder(tmp_path):
         file.unlink()
     with pytest.raises(RecordingError, match=r"its recording file \(\.mcap or \.db3\) is missing"):
         load(tmp_path / "bag")
+
+
+def damaged(data, rng):
+    """A file with some wrong bytes, mostly at its end, or cut off; every second time without the checksum that would tell."""
+    data = bytearray(data)
+    if rng.random() < 0.5:
+        data[-12:-8] = bytes(4)
+    if rng.random() < 0.2:
+        data = data[: rng.integers(60, len(data))]
+    least = max(8, len(data) - 1500) if rng.random() < 0.6 else 8
+    for at in rng.integers(least, len(data), rng.integers(1, 6)):
+        data[at] = rng.choice([0, 1, 127, 255, rng.integers(256)])
+    return data
+
+
+@pytest.mark.parametrize("how", ["NONE", "LZ4", "ZSTD", "without chunks"])
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_a_damaged_file_is_read_or_refused_in_one_sentence(tmp_path, how):
+    options = {"use_chunking": False} if how == "without chunks" else {"compression": how}
+    data = write_mcap(tmp_path / "a.mcap", recording(n=60, shares=(1.0, 0.4)), chunk_size=4000, **options).read_bytes()
+    outcomes, rng = [], np.random.default_rng(7)
+    for _ in range(150):
+        (tmp_path / "a.mcap").write_bytes(damaged(data, rng))
+        try:
+            outcomes += load(tmp_path / "a.mcap")
+        except RecordingError as error:
+            assert "\n" not in str(error)
+            outcomes.append(str(error))
+    assert {Recording, str} == set(map(type, outcomes))
+
+
+def test_a_summary_that_is_damaged_is_not_believed(tmp_path):
+    """Its checksum tells; without one, what cannot be: more messages than bytes, a chunk beyond the end."""
+    data = write_mcap(tmp_path / "a.mcap", R).read_bytes()
+    assert any(data[-12:-8]) and survey(tmp_path / "a.mcap").indexed
+    counts, chunk = (next(at for op, at, _ in records(data) if op == wanted) for wanted in (11, 8))
+    for at, value, unsummed in ((counts + 9 + 46 + 2, 7, False), (counts + 9 + 46 + 8, 7, True), (chunk + 9 + 16 + 6, 7, True)):
+        spoilt = bytearray(data)
+        spoilt[at] = value
+        spoilt[-12:-8] = bytes(4) if unsummed else data[-12:-8]
+        (tmp_path / "a.mcap").write_bytes(spoilt)
+        assert not survey(tmp_path / "a.mcap").indexed and same(load(tmp_path / "a.mcap")[0], R, 1e-15)

@@ -14,6 +14,7 @@ except ImportError:
 
 HEADER = struct.Struct("<QQQIi")  # message start, message end, uncompressed size, crc, length of the compression's name
 BEFORE = 31  # bytes of a message record before its data: opcode, size, channel, sequence, log time, publish time
+LEAST = 22  # bytes of the content of a message record before its data
 SCHEMA, CHANNEL, MESSAGE = 3, 4, 5
 
 
@@ -52,7 +53,7 @@ def decompress(name: str, packed: memoryview, size: int) -> bytes | memoryview:
             return _zstd(packed, size)
         if name == "lz4":
             return _lz4(packed, size)
-    except (RuntimeError, ValueError, EOFError, MemoryError) as error:
+    except (RuntimeError, ValueError, EOFError, MemoryError, OverflowError) as error:
         raise ChunkError from error
     raise ChunkError(f"compressed with {name!r}; known are zstd and lz4")
 
@@ -96,14 +97,14 @@ def scan_messages(data, other: Callable[[int, memoryview], None] = lambda op, pa
         op, size = view[at], struct.unpack_from("<Q", view, at + 1)[0]
         if at + 9 + size > len(view):
             break
-        if op == MESSAGE and size >= 22:
+        if op == MESSAGE and size >= LEAST:
             channel, _, log = struct.unpack_from("<HIQ", view, at + 9)
-            found.setdefault(channel, []).append((at + BEFORE, size - 22, log))
+            found.setdefault(channel, []).append((at + BEFORE, size - LEAST, log))
         elif op in (SCHEMA, CHANNEL):
             other(op, view[at + 9 : at + 9 + size])
         at += 9 + size
     for channel, rows in found.items():
-        starts, sizes, logs = np.array(rows, np.int64).T
+        starts, sizes, logs = np.array(rows, np.uint64).view(np.int64).T
         yield channel, Places(data, np.ascontiguousarray(starts)), sizes, logs
 
 
@@ -115,7 +116,7 @@ def indexed_messages(data, channel: int, entries: np.ndarray) -> Found | None:
     if not places.step:
         order = np.argsort(entries[:, 1], kind="stable")
         logs, places = logs[order], Places(data, entries[order, 1].astype(np.int64))
-        if places.starts[0] < 0:
+        if places.starts[-1] < 0:  # the largest: beyond what an int64 holds
             return None
     if places.last + BEFORE > len(data):
         return None
@@ -131,8 +132,8 @@ def _sizes(places: Places, channel: int) -> tuple[np.ndarray | None, int]:
     if first[0] != MESSAGE or struct.unpack_from("<H", first, 9)[0] != channel:
         return None, 0
     if places.all_share(0, first):
-        size = struct.unpack_from("<Q", first, 1)[0] - 22
+        size = struct.unpack_from("<Q", first, 1)[0] - LEAST
         return (np.full(len(places), size), places.last + size) if 0 <= size < 1 << 40 else (None, 0)
-    sizes = places.at(1, "<u8").astype(np.int64) - 22
+    sizes = places.at(1, "<u8").astype(np.int64) - LEAST
     good = np.all((places.at(0, "u1") == MESSAGE) & (places.at(9, "<u2") == channel) & (sizes >= 0) & (sizes < 1 << 40))
     return (sizes, int((places.starts + sizes).max())) if good else (None, 0)

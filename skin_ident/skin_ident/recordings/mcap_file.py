@@ -1,18 +1,20 @@
 """What an MCAP file holds, and where; `mcap_read` then reads the wanted topics.
 
-The summary at the end says what the file holds. Without one (the recorder was killed, or the file is cut off) the records are walked
-through from the front, and all that are complete are used; a chunk that is cut short gives the messages before the cut.
+The summary at the end says what the file holds. Without one (the recorder was killed, or the file is cut off), or with one that is damaged,
+the records are walked through from the front, and all that are complete are used; a chunk that is cut short gives the messages before the
+cut.
 Source: MCAP specification, mcap.dev/spec.
 """
 
 import struct
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import BinaryIO
 
 from skin_ident.recordings.errors import RecordingError
-from skin_ident.recordings.mcap_chunk import ChunkError, open_chunk, scan_messages, string
+from skin_ident.recordings.mcap_chunk import LEAST, ChunkError, crc32, open_chunk, scan_messages, string
 
 MAGIC = b"\x89MCAP0\r\n"
 FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, INDEX, CHUNK_INDEX, ATTACHMENT, STATISTICS, DATA_END = 2, 3, 4, 5, 6, 7, 8, 9, 11, 15
@@ -59,22 +61,37 @@ def survey(path: Path) -> Survey:
 
 
 def _from_summary(file: BinaryIO, found: Survey) -> bool:
-    """Read the summary; False where it is missing or incomplete."""
+    """Read the summary; False where it is missing, incomplete or damaged."""
     if found.size < 45:
         return False
     file.seek(-37, 2)
     end = file.read(37)
     if end[-8:] != MAGIC or end[0] != FOOTER:
         return False
-    start = struct.unpack_from("<Q", end, 9)[0]
+    start, _, crc = struct.unpack_from("<QQI", end, 9)
     if not 8 <= start < found.size - 37:
         return False
     file.seek(start)
     summary = file.read(found.size - 37 - start)
-    for op, at, size in records(summary):
-        _note(found, op, summary[at : at + size])
-    _find_attachments(file, found, summary)
-    return bool(found.channels) and bool(found.counts) and len(found.chunks) == found.chunk_count
+    if crc and crc32(end[:25], crc32(summary)) != crc:
+        return False
+    try:
+        for op, at, size in records(summary):
+            _note(found, op, summary[at : at + size])
+        _find_attachments(file, found, summary)
+    except struct.error:
+        return False
+    return bool(found.channels) and bool(found.counts) and len(found.chunks) == found.chunk_count and _possible(found)
+
+
+def _possible(found: Survey) -> bool:
+    """Whether all chunks lie within the file, and no more messages are announced than it has bytes."""
+    inside = all(_within(found, at, length) for at, length in found.chunks)
+    return inside and sum(found.counts.values()) <= found.size
+
+
+def _within(found: Survey, at: int, length: int) -> bool:
+    return at >= len(MAGIC) and length >= HEAD.size and at + length <= found.size
 
 
 def records(data: bytes) -> Iterator[tuple[int, int, int]]:
@@ -114,7 +131,7 @@ def _note_chunk_index(found: Survey, body: bytes) -> None:
     found.chunks.append((offset, length + index_length))
     begins = sorted((at, channel) for channel, at in struct.iter_unpack("<HQ", body[36 : 36 + map_size]))
     ends = [*(at for at, _ in begins[1:]), offset + length + index_length]
-    for (at, channel), end in zip(begins, ends, strict=True):
+    for (at, channel), end in zip(begins, ends, strict=False):  # a chunk without indexes begins none of them
         found.indexed[channel] = found.indexed.get(channel, 0) + (end - at - 15) // 16
 
 
@@ -122,6 +139,8 @@ def _find_attachments(file: BinaryIO, found: Survey, summary: bytes) -> None:
     for op, at, _ in records(summary):
         if op == 0x0A:
             offset, length = struct.unpack_from("<QQ", summary, at)
+            if not _within(found, offset, length):
+                raise struct.error("an attachment beyond the end of the file")
             file.seek(offset + 9)
             _attach(found, file.read(length - 9))
 
@@ -134,7 +153,7 @@ def _attach(found: Survey, body: bytes) -> None:
 
 
 def _from_front(file: BinaryIO, found: Survey) -> Survey:
-    """Walk through a file without a summary; every chunk is decompressed to find its channels."""
+    """Walk through a file without a summary; every chunk is decompressed to find its channels. Damaged records are passed over."""
     at = 8
     while True:
         file.seek(at)
@@ -146,21 +165,23 @@ def _from_front(file: BinaryIO, found: Survey) -> Survey:
         if op in (DATA_END, FOOTER):
             found.cut_at = None if found.channels else found.cut_at  # damaged chunks are counted when they are read
             return found
-        whole = at + 9 + size <= found.size
+        there = min(size, found.size - at - 9)
+        whole = there == size
         if op == CHUNK:
-            if not _note_chunk(found, file.read(size)):
+            if not _note_chunk(found, file.read(there)):
                 found.cut_at = at
-            found.chunks.append((at, 9 + size + _indexes(file, found, at + 9 + size)))
+            found.chunks.append((at, 9 + there + _indexes(file, found, at + 9 + there)))
         elif not whole:
             found.cut_at = at
         elif op in (SCHEMA, CHANNEL):
-            _note(found, op, file.read(size))
-        elif op == MESSAGE:
+            _note_whole(found, op, file.read(size))
+        elif op == MESSAGE and size >= LEAST:
             found.loose = True
             number = struct.unpack("<H", file.read(2))[0]
             found.counts[number] = found.counts.get(number, 0) + 1
         elif op == ATTACHMENT:
-            _attach(found, file.read(size))
+            with suppress(struct.error):
+                _attach(found, file.read(size))
         if not whole:
             found.goes_on = op not in KNOWN or _has_end(file, found)
             return found
@@ -191,6 +212,12 @@ def _note_chunk(found: Survey, body: bytes) -> bool:
         chunk, whole = open_chunk(body)
     except ChunkError:
         return False
-    for number, places, _, _ in scan_messages(chunk, lambda op, part: _note(found, op, bytes(part))):
+    for number, places, _, _ in scan_messages(chunk, lambda op, part: _note_whole(found, op, bytes(part))):
         found.counts[number] = found.counts.get(number, 0) + len(places)
     return whole
+
+
+def _note_whole(found: Survey, op: int, body: bytes) -> None:
+    """As `_note`, and nothing where the record is damaged."""
+    with suppress(struct.error):
+        _note(found, op, body)

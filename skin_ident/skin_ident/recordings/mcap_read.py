@@ -10,7 +10,7 @@ from typing import BinaryIO
 import numpy as np
 
 from skin_ident.recordings.mcap_chunk import ChunkError, Found, indexed_messages, open_chunk, scan_messages
-from skin_ident.recordings.mcap_file import DATA_END, HEAD, INDEX, Survey, records
+from skin_ident.recordings.mcap_file import DATA_END, INDEX, Survey, records
 from skin_ident.recordings.places import Places
 from skin_ident.recordings.runs import Run
 from skin_models.words import counted
@@ -157,17 +157,15 @@ def runs_of(body, data) -> dict[int, Run | None] | None:
 
 
 def _indexes(body) -> dict[int, np.ndarray]:
-    """Entries (n, 2) of log time and offset by channel, from the records behind the chunk."""
-    at = 9 + struct.unpack_from("<Q", body, 1)[0]
-    out = {}
-    while at + 9 <= len(body):
-        op, size = HEAD.unpack_from(body, at)
-        if op != INDEX or at + 9 + size > len(body):
-            break
-        channel, length = struct.unpack_from("<HI", body, at + 9)
+    """Entries (n, 2) of log time and offset by channel, from the records behind the chunk; empty where one of them is damaged."""
+    at, out = 9 + struct.unpack_from("<Q", body, 1)[0], {}
+    while at + 15 <= len(body):
+        op, size, channel, length = ENTRIES.unpack_from(body, at)
+        if op != INDEX or at + 9 + size > len(body) or length + 6 != size or length % 16:
+            return {}
         out[channel] = np.frombuffer(body, "<u8", length // 8, at + 15).reshape(-1, 2)
         at += 9 + size
-    return out
+    return out if at == len(body) else {}
 
 
 def _loose(file: BinaryIO, found: Survey, piece: int = 1 << 20) -> Iterator[Found]:
