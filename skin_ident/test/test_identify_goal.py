@@ -50,3 +50,12 @@ def test_nothing_is_left_to_fit(tmp_path):
     table = str(write_table(tmp_path / "a.csv", recording(n=500)))
     result = result_of(recordings=[table], hold_out=[table], criticise=True)
     assert result.error_code == Result.UNUSABLE_INPUT and "none is left to fit" in result.error_string
+
+
+@pytest.mark.parametrize("criticise", [False, True])
+def test_a_goal_that_is_cancelled_once_its_answer_is_written_has_succeeded(tmp_path, criticise):
+    table, out = str(write_table(tmp_path / "a.csv", recording(n=1500))), tmp_path / "out"
+    goal = Identify.Goal(recordings=[table], output_directory=str(out), criticise=criticise)
+    told = []
+    result = identify.Run(goal, out.exists, lambda feedback: told.append((feedback.stage, feedback.progress))).result()
+    assert result.error_code == Result.SUCCESS and (out / "model.yaml").exists() and told[-1] == ("done", 1.0)

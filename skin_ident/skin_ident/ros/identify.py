@@ -11,7 +11,7 @@ from traceback import format_exc
 from rclpy.logging import get_logger
 from skin_testbed_msgs.action import Identify
 
-from skin_ident.cli.common import check_no_answer, check_output, output_folder, refusal, topics_of, write_json
+from skin_ident.cli.common import check_no_answer, check_output, refusal, topics_of, whole_folder, write_json
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import Estimate
 from skin_ident.estimators.fit import Options, fit_recordings, sessions_of
@@ -97,6 +97,10 @@ class Run:
         self.done = self.done if progress is None else progress
         self.publish(Identify.Feedback(progress=self.done, stage=stage))
 
+    def _ended(self) -> None:
+        """The last feedback. What is written is written: a goal that is cancelled from here on has succeeded all the same."""
+        self.publish(Identify.Feedback(progress=1.0, stage="done"))
+
     def _load(self, files: list[Path], share: float) -> list:
         topics = topics_of(self.goal.topics)
         start, loaded = self.done, []
@@ -115,14 +119,13 @@ class Run:
         estimate = fit_recordings(recordings, options)
         self._say("writing", 0.95)
         self._write(estimate)
-        self._say("done", 1.0)
+        self._ended()
         return Result(error_code=Result.SUCCESS, **_parameters(estimate))
 
     def _write(self, estimate: Estimate) -> None:
         if not self.goal.output_directory:
             return
-        with _writing():
-            folder = output_folder(self.goal.output_directory)
+        with _writing(), whole_folder(self.goal.output_directory) as folder:
             write_json(folder / "fit.json", as_dict(estimate))
             if estimate.model is not None:
                 save_model(estimate.model, folder / "model.yaml", estimate.std)
@@ -143,11 +146,10 @@ class Run:
         path = ""
         if self.goal.output_directory:
             self._say("writing the report", 0.95)
-            with _writing():
-                folder = output_folder(self.goal.output_directory)
+            with _writing(), whole_folder(self.goal.output_directory) as folder:
                 write(outcome, folder)
             path = str(folder / "findings.json")
-        self._say("done", 1.0)
+        self._ended()
         causes = [f["cause"] for f in outcome.findings["findings"]]
         found = {} if outcome.model is None else _of_model(outcome.model, outcome.std)
         return Result(error_code=Result.SUCCESS, verdict=outcome.findings["verdict"], causes=causes, findings=path, **found)
