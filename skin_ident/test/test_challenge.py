@@ -14,7 +14,7 @@ import pytest
 from skin_ident.cli.challenge import RESULTS, main
 from skin_ident.hiding.campaign import NULL, Case, cases, keep, kept, key
 from skin_ident.hiding.picture import save_confusion
-from skin_ident.hiding.tally import confusion, extra, interval, rate, right, summary
+from skin_ident.hiding.tally import confusion, extra, interval, rate, right, summary, write_tables
 
 
 def entry(cause, named=(), alternatives=(), where="skin", size=1.0, seed=0, **more):
@@ -52,6 +52,17 @@ def test_the_matrix_and_its_picture(tmp_path):
     assert (tmp_path / "confusion.png").stat().st_size > 5000
     said = summary([*ENTRIES, {"cause": "lag", "skipped": "too large"}])
     assert "1 of 2, 50 %" in said and "skipped 1: too large" in said
+
+
+def test_what_nobody_could_see_is_in_no_rate(tmp_path):
+    """Nothing was named, and the model imitates what was hidden; a wrong name for it is wrong all the same."""
+    missed, wrong = entry("gain_error", imitated=True, seed=1), entry("gain_error", [LAG], imitated=True, seed=2)
+    said = summary([ENTRIES[2], ENTRIES[6], missed, wrong])
+    assert "size 1: cause right 1 of 3, " in said and "size 1: cause and place right 1 of 3, " in said
+    assert "imitates what was hidden, and nothing was named: 1" in said and "gain_error           nothing 1, lag 1" in said
+    assert "neither" not in summary([ENTRIES[2], wrong]) and "cause right none tried" in summary([missed])
+    write_tables([ENTRIES[2], missed], tmp_path)
+    assert [r["right"] for r in csv.DictReader((tmp_path / "cases.csv").open())] == ["True", ""]
 
 
 def test_cases_are_spread_over_causes_before_seeds():

@@ -38,9 +38,14 @@ def right(r: Result, place: bool = True) -> bool:
     said = [tuple(n) for n in (*r["named"], *r["alternatives"])]
     if r["cause"] == NULL:
         return not r["named"]
-    if r["imitated"] and not r["named"]:
+    if unseen(r):
         return True
     return any(c == r["cause"] and (w == r["where"] or not place) for c, w in said)
+
+
+def unseen(r: Result) -> bool:
+    """Whether nothing was named where the model's own parameters imitate what was hidden: no hit and no miss, for nobody could name it."""
+    return r["cause"] != NULL and r["imitated"] and not r["named"]
 
 
 def extra(r: Result) -> list[str]:
@@ -82,8 +87,12 @@ def _rates(done: list[Result]) -> Iterator[str]:
     yield f"false alarms with nothing hidden: {rate(sum(not right(r) for r in nulls), len(nulls))}"
     for size in sorted({r["size"] for r in done if r["cause"] != NULL}):
         mine = [r for r in done if r["size"] == size and r["cause"] != NULL]
-        yield f"size {size:g}: cause right {rate(sum(right(r, False) for r in mine), len(mine))}"
-        yield f"size {size:g}: cause and place right {rate(sum(map(right, mine)), len(mine))}"
+        told = [r for r in mine if not unseen(r)]
+        yield f"size {size:g}: cause right {rate(sum(right(r, False) for r in told), len(told))}"
+        yield f"size {size:g}: cause and place right {rate(sum(map(right, told)), len(told))}"
+        if len(told) < len(mine):
+            apart = "in neither rate, because the fitted model imitates what was hidden, and nothing was named"
+            yield f"size {size:g}: {apart}: {len(mine) - len(told)}"
         yield f"size {size:g}: extra names {rate(sum(bool(extra(r)) for r in mine), len(mine))}"
 
 
@@ -103,9 +112,9 @@ def _left_out(results: list[Result]) -> Iterator[str]:
 
 
 def write_tables(results: list[Result], folder: Path) -> None:
-    """Write cases.csv, a row per case, and confusion.csv."""
+    """Write cases.csv, a row per case (`right` is empty where nobody could name what was hidden, see `unseen`), and confusion.csv."""
     done = [r for r in results if "verdict" in r]
-    _csv(folder / "cases.csv", COLUMNS, ([_cell(r | {"right": right(r)}, name) for name in COLUMNS] for r in done))
+    _csv(folder / "cases.csv", COLUMNS, ([_cell(r | {"right": "" if unseen(r) else right(r)}, name) for name in COLUMNS] for r in done))
     causes, names, counts = confusion(done)
     _csv(folder / "confusion.csv", ("hidden", *names), ([c, *row] for c, row in zip(causes, counts.tolist(), strict=True)))
 
