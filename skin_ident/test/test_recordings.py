@@ -102,7 +102,9 @@ def test_rig_yaml_calibrates_and_declares(tmp_path):
      ("taxel_step_n: [0.1, 0.2, 0.3]", "has 3 numbers, .*one number for all, or one for each"),
      ("skin_thickness_mm: 0.004", "cannot be less than 0.02"), ("taxel_positions_mm: [[0, 0], [0.01, 0]]", "in millimetres"),
      ("encoder_step_um: 9999", "cannot have read a travel"), ("moving_mass_kg: 1.0e+9", "cannot be more than 100"),
-     ("taxel_gain_uncertainty: 3", "unit")],
+     ("taxel_gain_uncertainty: 3", "unit"), ("taxel_noise_n: [null, 0.05]", "taxel_noise_n: taxel 0 has no value: give every taxel"),
+     ("sample_rate_hz: 1" + 400 * "0", "sample_rate_hz must be a number"), ("sample_rate_hz: .nan", "must be a number"),
+     ("sample_rate_hz: 1" + 5000 * "0", "integer")],
 )  # fmt: skip
 def test_bad_rig_yaml(tmp_path, text, says):
     (tmp_path / "rig.yaml").write_text(text)

@@ -27,4 +27,7 @@ _Loader.add_implicit_resolver("tag:yaml.org,2002:float", re.compile(r"[-+]?(\d+|
 
 def load_yaml(text: str) -> Any:
     """The content of a YAML text. Raises `ModelError` for a name that stands twice, `yaml.YAMLError` for what is no YAML."""
-    return yaml.load(text, _Loader)
+    try:
+        return yaml.load(text, _Loader)
+    except ValueError as error:  # a date that there is not, a number of thousands of digits
+        raise yaml.YAMLError(str(error)) from error

@@ -24,6 +24,7 @@ Unknown keys are ignored with a warning, because the file may serve other progra
 """
 
 import os
+import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
@@ -232,8 +233,10 @@ def _position(entry: Any, key: str = POSITIONS) -> tuple[float, float]:
 
 
 def _per_taxel(key: str, value: Any) -> tuple[float, ...]:
-    entries = value if isinstance(value, list) else [value]
-    return tuple(number for number in (_positive(key, entry) for entry in entries) if number is not None)
+    if isinstance(value, list) and None in value:
+        raise RecordingError(f"{key}: taxel {value.index(None)} has no value: give every taxel a number, or leave {key} out")
+    entries = value if isinstance(value, list) else [] if value is None else [value]
+    return tuple(_positive(key, entry) for entry in entries)
 
 
 def _positive(key: str, value: Any) -> float | None:
@@ -248,7 +251,7 @@ def _positive(key: str, value: Any) -> float | None:
 
 
 def _number(key: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) < float("inf"):
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= sys.float_info.max:
         raise RecordingError(f"{key} must be a number, not {value!r}")
     return float(value)
 
