@@ -109,6 +109,19 @@ def test_taxels_of_a_bag_keep_their_places_where_only_some_are_calibrated(tmp_pa
     assert [w.partition(" is in volts")[0] for w in r.warnings if "no calibration" in w] == ["taxel_1"]
 
 
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_zero_is_taken_from_the_first_second_of_numbers(tmp_path):
+    """A channel may begin to tell later than the others."""
+    t = np.arange(500) * 0.01
+    volts = np.where(t < 3.0, 0.31, 0.31 + (t - 3.0) / 9.4)
+    cells = [f"{a:.2f},{0.1 * a:.3f}," + ("" if a < 1.5 else f"{v:.6f}") for a, v in zip(t, volts, strict=True)]
+    (tmp_path / "a.csv").write_text("\n".join(["t_s,force_n,taxel_0_v", *cells]) + "\n")
+    (tmp_path / "rig.yaml").write_text("calibration: {taxel_0: {slope_n_per_v: 9.4}}\n")
+    (r,) = load(tmp_path / "a.csv")
+    assert r.taxels[0, -1] == pytest.approx(1.99, abs=0.01)
+    assert "taxel_0: zero taken as 0.31 V, the median of the first second from 1.5 s on, where its numbers begin" in " ".join(r.warnings)
+
+
 @pytest.mark.parametrize(
     ("call", "says"),
     [(lambda: calibrate([recording(n=100)]), "volts"), (lambda: fit_line([np.zeros(50)], [np.zeros(50)]), "never changes"),

@@ -194,8 +194,11 @@ def _calibrated(t: np.ndarray, part: Channels, declared: Declared, notes: list[s
 def _in_newtons(t: np.ndarray, one: Channels, c: Calibration, notes: list[str]) -> Channels:
     zero, meaning, volts = c.zero_v, c.channel or one.names[0], one.rows
     if zero is None:
-        zero = float(np.nanmedian(volts[0, t <= t[0] + 1.0]))
-        notes.append(f"{meaning}: zero taken as {zero:.6g} V, the median of the first second; declare zero_v to be sure")
+        known = np.isfinite(volts[0])
+        begins = int(np.argmax(known))
+        zero = float(np.median(volts[0, known & (t <= t[begins] + 1.0)])) if known.any() else 0.0
+        late = f" from {t[begins]:.6g} s on, where its numbers begin" if begins else ""
+        notes.append(f"{meaning}: zero taken as {zero:.6g} V, the median of the first second{late}; declare zero_v to be sure")
     kind, steps = "force" if meaning == "force" else "taxel", one.steps and (abs(c.slope_n_per_v) * one.steps[0],)
     read = one.read and (one.read[0], c.slope_n_per_v * (one.read[1] - zero))
     dead = (meaning,) if one.dead and kind == "taxel" else ()

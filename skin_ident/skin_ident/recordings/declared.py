@@ -61,7 +61,7 @@ THICK_MM = 50.0  # mm: a warning is given for thicker skin
 class Calibration:
     """A straight line from volts to newtons. `channel` is what the column means (force, taxel_<name>); empty: the column's own name.
 
-    `zero_v` is the voltage without load; None takes the median of the first second of the recording.
+    `zero_v` is the voltage without load; None takes the median of the first second that holds numbers.
     """
 
     slope_n_per_v: float
