@@ -76,7 +76,8 @@ def by_session(v: View) -> BySession | None:
 
 def _of(kind: str, names: tuple[str, ...], told: dict[str, dict]) -> list[str]:
     """The channels for which sessions have numbers of a kind (see KINDS)."""
-    return list(dict.fromkeys(c for n in names for c in mapping(mapping(told[n]["by_itself"]).get(kind))))
+    listed = dict.fromkeys(c for n in names for c in mapping(mapping(told[n]["by_itself"]).get(kind)))
+    return [c for c in listed if _numbers(kind, c, names, told)]
 
 
 def _most_telling(channels: list[str], kind: str, most: int, odd: dict[str, frozenset[str]]) -> list[str]:
@@ -103,7 +104,7 @@ def _own(kind: str, channel: str, names: tuple[str, ...], told: dict[str, dict],
 
 def _errors(channel: str, names: tuple[str, ...], told: dict[str, dict], odd: dict[str, frozenset[str]], v: View) -> Column:
     """The column of a channel's errors by session, before and after."""
-    pairs = {n: [finite(mapping(mapping(told[n]["rmse"]).get(channel)).get(k)) for k in ("baseline", "extended")] for n in names}
+    pairs = {n: [finite(mapping(mapping(told[n].get("rmse")).get(channel)).get(k)) for k in ("baseline", "extended")] for n in names}
     pairs = {n: pair if v.findings else pair[1:] for n, pair in pairs.items() if None not in pair}
     like = v.loudest or [x for pair in pairs.values() for x in pair]
     cells = {n: " → ".join(bare(x, "N", None, like) for x in pair) for n, pair in pairs.items()}

@@ -45,13 +45,15 @@ def load_traces(directory: Path) -> tuple[tuple[Trace, ...], tuple[ScanTrace, ..
     try:
         with np.load(path, allow_pickle=False) as held:
             content = json.loads(str(held[_MEANING]))
+            if content["format"] != _FORMAT:
+                raise ValueError("another version")
             traces = tuple(_put_together(Trace, entry, held) for entry in content["traces"])
             scans = tuple(_put_together(ScanTrace, entry, held) for entry in content["scans"])
+            rounds = tuple(Round(tuple((c, w, float(g)) for c, w, g in r["ranked"]), r["named"]) for r in content["rounds"])
     except OSError as error:
         raise ReportError(f"cannot read {path}: {error.strerror or error}; run diagnose again to make it") from error
     except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
         raise ReportError(f"{path} is damaged or of another version; run diagnose again to make it") from error
-    rounds = tuple(Round(tuple((c, w, float(g)) for c, w, g in r["ranked"]), r["named"]) for r in content["rounds"])
     return traces, scans, rounds
 
 

@@ -45,6 +45,18 @@ def test_sessions_stand_in_their_order_and_what_stands_out_is_marked():
     assert "by itself" not in html.lower() and "Most of what is left" not in text  # nor among what else a recording is said to have
 
 
+def test_sessions_without_numbers_are_reported_all_the_same():
+    rows = [entry(5000.0, 0.002), entry(5001.0, 0.002), entry(5002.0, 0.002), entry(5000.0, 0.002), entry(5000.0, 0.002)]
+    for row in rows:
+        row["by_itself"]["zero"]["force"] = q(None)
+    rows[0]["by_itself"]["stiffness"]["force"]["value"] = None
+    del rows[1]["rmse"]
+    rows[2]["rmse"] = {}
+    text = markdown(told("explained", rows))
+    assert [column.head for column in by_session(told("explained", rows).view).own] == ["stiffness of the force, N/m"]
+    assert "| day5.csv | 5002" in text and "None" not in text and "nan" not in text
+
+
 def test_how_a_number_goes_from_session_to_session_is_said_below_the_table():
     rows = [entry(k, 0.002) for k in (5100.0, 5000.0, 5001.0, 5100.0, 5101.0)]
     said = by_session(told("explained", rows).view).said

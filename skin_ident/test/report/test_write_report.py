@@ -171,6 +171,18 @@ def test_damaged_curves_get_one_sentence(rendered, tmp_path, damage):
         load_outcome(tmp_path)
 
 
+@pytest.mark.parametrize("other", [{"format": 2}, {"rounds": [3]}, "rounds", "format"])
+def test_curves_of_another_version_get_one_sentence(rendered, tmp_path, other):
+    path = save_traces(rendered["explained"][0], tmp_path)
+    with np.load(path) as held:
+        arrays = dict(held)
+    content = json.loads(str(arrays["_content"]))
+    content = {k: v for k, v in content.items() if k != other} | (other if isinstance(other, dict) else {})
+    np.savez(path, **arrays | {"_content": np.array(json.dumps(content))})
+    with pytest.raises(ReportError, match="damaged or of another version"):
+        load_traces(tmp_path)
+
+
 def test_nothing_is_left_behind_when_drawing_fails(rendered, tmp_path):
     outcome, _ = rendered["spread_scan"]
     (tmp_path / "report.html.partial").mkdir()  # cannot be opened for writing
