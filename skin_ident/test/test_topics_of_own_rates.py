@@ -1,15 +1,17 @@
-"""Bags whose topics come at rates and instants of their own: what a slow taxel reads is judged as it was read."""
+"""Bags whose topics come at rates and instants of their own: what a slow taxel reads is judged as it was read. And how bags and topics are
+named."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from making import KINDS, recording, serialised, typestore
+from making import KINDS, recording, serialised, typestore, write_bag
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.recordings.chosen import only_taxels
+from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.load import load
 from skin_ident.recordings.readings import Readings, between
 from skin_ident.recordings.recording import FORCE_TO_FORCE
@@ -157,3 +159,17 @@ def test_a_row_that_stands_still_does_so_between_its_readings_and_a_ceiling_is_n
     stuck, told = between(t, known, np.array([np.full(known.size, 1.65), clipped]))
     assert np.ptp(stuck) == 0.0 and told.max() == 2.1
     assert np.mean(told == 2.1) == pytest.approx(np.mean(clipped == 2.1), abs=0.02)
+
+
+def test_two_topics_of_one_role_are_refused(tmp_path):
+    with pytest.raises(RecordingError, match="names encoder and depth, which are the same"):
+        load(write_bag(tmp_path / "bag", recording(n=300)), {"encoder": "/encoder", "depth": "/encoder"})
+
+
+@pytest.mark.parametrize("path", [".", "../bag/.", "deeper/.."])
+def test_a_bag_that_is_named_from_within_has_its_own_name_and_rig(tmp_path, monkeypatch, path):
+    (write_bag(tmp_path / "bag", recording(n=300)) / "deeper").mkdir()
+    (tmp_path / "rig.yaml").write_text("skin_thickness_mm: 4\n")
+    monkeypatch.chdir(tmp_path / "bag")
+    (r,) = load(path)
+    assert r.name == "bag" and r.declared.skin_thickness_mm == 4

@@ -97,10 +97,16 @@ def _read(
 
 
 def by_role(topics: Mapping[str, str]) -> dict[str, str]:
-    """Topic names by role (force, encoder, taxels), where roles may be given by an alias. Raises `RecordingError` for an unknown role."""
+    """Topic names by role (force, encoder, taxels), where roles may be given by an alias. Raises `RecordingError` for an unknown role, and
+    for two topics of one role."""
     unknown = [role for role in topics if role not in ALIASES]
     if unknown:
         raise RecordingError(f"--topics knows force, encoder and taxels, not {unknown[0]!r}")
+    given: dict[str, str] = {}
+    for role in topics:
+        other = given.setdefault(ALIASES[role], role)
+        if other != role:
+            raise RecordingError(f"--topics names {other} and {role}, which are the same: give one of them")
     return {ALIASES[role]: topic for role, topic in topics.items()}
 
 

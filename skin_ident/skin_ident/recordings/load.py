@@ -92,6 +92,8 @@ def load_one(path: Path, topics: Mapping[str, str] | None = None, log_time: bool
 def _loaded(path: Path, topics: Mapping[str, str] | None, log_time: bool, keep: bool) -> Any:
     if not path.exists():
         raise RecordingError(f"{path} {'is a link to nothing' if path.is_symlink() else 'does not exist'}")
+    if path.name in ("", ".."):  # a folder as seen from within: its name and what lies beside it are wanted
+        path = path.resolve()
     declared = declared_beside(path)
     if is_bag(path):
         return read_bag(path, declared, topics, log_time, keep)
