@@ -59,12 +59,14 @@ def test_those_that_feel_most_are_looked_at():
     assert len(found) == 8 and {"force", "taxel_9", "taxel_10"} <= set(found)
 
 
-def test_whole_periods_are_no_latency():
-    """On one sine an elastic skin tells no latency but whole periods of it."""
-    r = recording(n=12_000, truth=(0.0, 0.1, 9619.0, 0.1, 2766.0))
+@pytest.mark.parametrize(("truth", "tells"), [((0.0, 0.1, 9619.0, 0.1, 2766.0), False), (SILICONE[4], True)], ids=["elastic", "damped"])
+def test_whole_periods_are_no_latency(truth, tells):
+    """On one sine an elastic skin tells no latency but whole periods of it; one that damps tells that there is none."""
+    r = recording(n=12_000, truth=truth)
     steps = replace(r, force=np.rint(r.force / 0.0678) * 0.0678, taxels=np.rint(r.taxels / 0.107) * 0.107)
     for latency in latencies([steps]).values():
         assert not np.isfinite(latency.std) or abs(latency.seconds) < 4 * latency.std
+        assert latency.std < 0.003 or not tells
 
 
 def test_even_stamps_are_even_whether_kept_or_not(tmp_path):
