@@ -77,23 +77,15 @@ class Prefilter:
         return once[half:-half] + oaconvolve(padded[half:-half] - once, kernel, mode="valid")
 
 
-def prefilter_for(depths: Sequence[tuple[np.ndarray, float]]) -> Prefilter:
-    """A common low-pass for sessions (depth (N,) m, dt s) of one sampling rate; its cut-off is `HEADROOM` times the fastest motion, at most
-    0.2 / dt."""
-    dt = depths[0][1]
-    shortest = min(x.size for x, _ in depths)
-    slowest = 1.5 / (0.1 * shortest * dt)  # the kernel may take a tenth of a session at each end
-    fastest = max(_highest_frequency(x, dt) for x, _ in depths)
-    return Prefilter(dt, min(max(HEADROOM * fastest, slowest), 0.2 / dt))
-
-
 def prefilters_for(signals: Sequence[tuple[np.ndarray, float]]) -> list[Prefilter]:
-    """One low-pass for each signal (x (N,), dt s). All have one cut-off: the highest that any of them needs, if all rates allow it."""
-    rates = [float(f"{dt:.3g}") for _, dt in signals]
-    groups = {rate: [s for s, r in zip(signals, rates, strict=True) if r == rate] for rate in rates}
-    each = {rate: prefilter_for(group) for rate, group in groups.items()}
-    edge = min(max(p.edge for p in each.values()), min(0.2 / p.dt for p in each.values()))
-    return [Prefilter(each[rate].dt, edge) for rate in rates]
+    """One low-pass for each signal (x (N,), dt s). All have one cut-off: `HEADROOM` times the fastest motion in any of them, at most 0.2 of
+    the lowest sampling rate."""
+    slowest = max(1.5 / (0.1 * x.size * dt) for x, dt in signals)  # the kernel may take a tenth of a session at each end
+    moving = [(x, dt) for x, dt in signals if np.ptp(x) > 0.0]  # a depth that is held has no band
+    fastest = max((_highest_frequency(x, dt) for x, dt in moving), default=np.inf)
+    edge = min(max(HEADROOM * fastest, slowest), *(0.2 / dt for _, dt in signals))
+    periods = {f"{dt:.3g}": dt for _, dt in reversed(signals)}  # rates that differ by rounding are one
+    return [Prefilter(periods[f"{dt:.3g}"], edge) for _, dt in signals]
 
 
 def _highest_frequency(x: np.ndarray, dt: float) -> float:
@@ -102,8 +94,6 @@ def _highest_frequency(x: np.ndarray, dt: float) -> float:
     response = np.maximum(2.0 * np.sin(np.pi * f * dt) / dt, 1e-9) ** 2  # of the difference: the spectrum that white noise in x gets
     floor = np.median((power / response)[f > 0.3 / dt])
     clean = np.where(power > FLOOR * floor * response, power, 0.0)
-    if clean.sum() <= 0.0:
-        return 0.2 / dt
     return float(f[np.searchsorted(np.cumsum(clean), 0.999 * clean.sum())])
 
 
