@@ -67,6 +67,15 @@ def test_holds_are_holds_through_an_encoder_that_is_noisy(encoder):
     assert not any("hold" in w for w in fit_prony([r]).warnings)
 
 
+@pytest.mark.parametrize("dead", [0, 1])
+def test_taxels_keep_their_numbers_beside_one_that_is_dead(dead):
+    r = recording(n=1500, shares=(1.0, 1.0))
+    r.taxels[dead] = 0.02
+    fit = fit_prony([r], 0)
+    assert list(fit.stiffness) == list(fit.damping) == list(fit.rmse) == ["force", f"taxel_{1 - dead}"]
+    assert fit.model.shares == (float(dead == 1), float(dead == 0))
+
+
 def test_number_of_arms_is_bounded():
     with pytest.raises(FitError, match="between 0 and"):
         fit_prony([held([])], arms=9)

@@ -48,7 +48,7 @@ class Arm:
 
 @dataclass(frozen=True, eq=False)
 class PronyFit:
-    """`arms` by increasing time; B and K of every channel, with standard errors; the model, where there is a load cell and one taxel."""
+    """`arms` by increasing time; B and K of every channel, with standard errors; the model, for a load cell and one live taxel."""
 
     arms: tuple[Arm, ...]
     damping: dict[str, tuple[float, float]]
@@ -61,7 +61,7 @@ class PronyFit:
 def fit_prony(recordings: Sequence[Recording], arms: int | None = None) -> PronyFit:
     """The spectrum of all sessions together; `arms` fixes their number. Raises `FitError`."""
     sessions, warnings = prepare(recordings)
-    names = (["force"] if sessions[0].force is not None else []) + [f"taxel_{i}" for i in range(len(sessions[0].taxels))]
+    names = (["force"] if sessions[0].force is not None else []) + [f"taxel_{i}" for i in sessions[0].live]
     if not names:
         raise FitError(f"{sessions[0].name} holds no force in newtons")
     if arms is not None and not 0 <= arms <= MOST:
@@ -167,7 +167,7 @@ def _result(sessions, names, taus: np.ndarray, limits, warnings: tuple[str, ...]
         damping={n: (float(c[0]), float(s[0])) for n, c, s in pairs},
         stiffness={n: (float(c[1]), float(s[1])) for n, c, s in pairs},
         rmse={n: float(np.sqrt(np.mean(np.concatenate(e) ** 2))) for n, e in zip(names, fit.residuals, strict=True)},
-        model=_model(names, fit.coefficients, taus),
+        model=_model(sessions[0], fit.coefficients, taus),
         warnings=(*warnings, *notes, *doubt),
     )
 
@@ -223,9 +223,9 @@ def _tau_std(sessions, names, taus: np.ndarray, k: np.ndarray) -> np.ndarray:
     return 1.0 / np.sqrt(np.sum(1.0 / np.maximum(each, 1e-300) ** 2, axis=0))
 
 
-def _model(names: list[str], coefficients: list[np.ndarray], taus: np.ndarray) -> Model | None:
-    """Dispersion model and arms, for a load cell and one taxel, where none of them comes out negative."""
-    if names != ["force", "taxel_0"]:
+def _model(session: Session, coefficients: list[np.ndarray], taus: np.ndarray) -> Model | None:
+    """Dispersion model and arms, for a load cell and one live taxel, where none of them comes out negative."""
+    if session.force is None or len(session.live) != 1:
         return None
     whole, sensed = coefficients
     rest = whole - sensed
@@ -233,4 +233,5 @@ def _model(names: list[str], coefficients: list[np.ndarray], taus: np.ndarray) -
     if sensed[1] < 0.0 or any(k1 < 0.0 or k2 < 0.0 for k1, k2, _ in arms):
         return None
     effects = tuple(StressRelaxation(where="skin", k_sensed=float(a), k_dispersed=float(b), tau=float(tau)) for a, b, tau in arms)
-    return Model(Dispersion(b1=float(sensed[0]), k1=float(sensed[1]), b2=float(rest[0]), k2=float(rest[1])), (1.0,), effects)
+    shares = tuple(float(i in session.live) for i in range(session.total))
+    return Model(Dispersion(b1=float(sensed[0]), k1=float(sensed[1]), b2=float(rest[0]), k2=float(rest[1])), shares, effects)
