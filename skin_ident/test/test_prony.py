@@ -51,6 +51,14 @@ def test_it_is_said_where_no_relaxation_can_be_told():
     assert NO_RELAXATION not in (*fit_prony([relaxing]).warnings, *fit_prony([without]).warnings)
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_time_that_the_motion_does_not_tell_is_not_called_exact():
+    """On a sine, an arm far faster than the motion is damping: only rounding tells its time."""
+    fit = fit_prony([recording(seed=1)], 1)
+    assert fit.arms[0].tau < 0.1 and fit.arms[0].tau_std > fit.arms[0].tau
+    assert NO_RELAXATION in fit.warnings
+
+
 def test_arms_that_stand_for_something_else_are_doubted():
     """Of a bent spring under a sine, which has no holds, arms are told that are none."""
     r = recording(n=6000, sigma=0.02, amplitude=0.5e-3, offset=0.2e-3)

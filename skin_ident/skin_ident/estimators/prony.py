@@ -31,6 +31,7 @@ APART = 2.0  # least ratio of two neighbouring times
 RESTS = 0.02  # share of the highest speed below which the plunger rests
 SHORTEST = 0.5  # s, shortest rest that is called a hold
 SURE = 2.0  # standard errors by which times and stiffnesses must differ from zero
+ENTANGLED = 1e10  # condition of the normal matrix from which rounding decides about a variance
 NO_RELAXATION = (
     "no relaxation can be told from these data: of every arm the time is less sure than half its size, or a stiffness is negative or not "
     "sure; record holds of some ten seconds after quick ramps"
@@ -148,7 +149,7 @@ def _stretch(s: Session, tau: float) -> np.ndarray:
 def _result(sessions, names, taus: np.ndarray, limits, warnings: tuple[str, ...]) -> PronyFit:
     fit, doubt = regress(_blocks(sessions, names, taus)), _doubt(sessions, names, taus)
     k = np.array([c[2:] for c in fit.coefficients])
-    std = _split_std(fit, 2 + taus.size)
+    std = _std(fit).reshape(len(names), -1)
     tau_std = _tau_std(sessions, names, taus, k)
     arms = tuple(
         Arm(float(tau), float(tau_std[i]), {n: (float(k[c, i]), float(std[c][2 + i])) for c, n in enumerate(names)})
@@ -210,17 +211,27 @@ def _relaxes(arm: Arm) -> bool:
     return arm.tau > SURE * arm.tau_std and min(pulls) > -SURE and max(pulls) > SURE
 
 
-def _split_std(fit: Regression, width: int) -> np.ndarray:
-    return np.sqrt(np.maximum(np.diag(fit.covariance), 0.0)).reshape(-1, width)
+def _std(fit: Regression) -> np.ndarray:
+    """Standard errors of all coefficients; infinite where rounding has left no positive variance."""
+    variance = np.diag(fit.covariance)
+    return np.sqrt(np.where(variance > 0.0, variance, np.inf))
 
 
 def _tau_std(sessions, names, taus: np.ndarray, k: np.ndarray) -> np.ndarray:
-    """Standard errors of the times, from each channel's linearised model, pooled as for independent channels."""
-    if not taus.size:
-        return np.empty(0)
-    fit = regress(_blocks(sessions, names, taus, k))
-    each = _split_std(fit, 2 + 2 * taus.size)[:, 2 + taus.size :]
-    return 1.0 / np.sqrt(np.sum(1.0 / np.maximum(each, 1e-300) ** 2, axis=0))
+    """Standard errors of the times, from each channel's linearised model, pooled as for independent channels; infinite for a time that no
+    channel tells."""
+    each = np.array([_told(blocks, taus.size) for blocks in _blocks(sessions, names, taus, k)])
+    with np.errstate(divide="ignore"):
+        return 1.0 / np.sqrt(np.sum(each**-2, axis=0))
+
+
+def _told(blocks: list[Block], count: int) -> np.ndarray:
+    """Standard errors of the `count` times by one channel, infinite where it cannot tell them from the stiffnesses."""
+    try:
+        fit = regress([blocks])
+    except FitError:
+        return np.full(count, np.inf)
+    return _std(fit)[2 + count :] if fit.condition < ENTANGLED else np.full(count, np.inf)
 
 
 def _model(session: Session, coefficients: list[np.ndarray], taus: np.ndarray) -> Model | None:
