@@ -8,7 +8,8 @@ import pytest
 from making import SILICONE, noise, recording
 
 from skin_ident.estimators.bootstrap import bootstrap
-from skin_ident.estimators.dispersion import fit_dispersion
+from skin_ident.estimators.dispersion import FREE, fit_dispersion
+from skin_ident.estimators.estimate import AT_BOUND
 from skin_ident.estimators.profile import profile
 from skin_ident.estimators.transfer_data import Pair
 from skin_ident.estimators.transfer_fit import output_error
@@ -51,6 +52,16 @@ def test_profiles_agree_with_the_standard_errors():
         assert set(found) == {n for n, s in fit.std.items() if s > 0.0}
         for name, (low, high) in found.items():
             assert low < fit.values[name] < high and 0.8 < (high - low) / (3.92 * fit.std[name]) < 1.25, (name, mass, offsets)
+
+
+def test_intervals_are_of_the_model_that_is_printed_where_the_mass_came_out_negative():
+    """A constant pull of 0.3 N asks for a negative mass; the fit then has none, and so have the intervals."""
+    r = recording(1)
+    pulled = [replace(r, force=r.force + 0.3)]
+    fit, drawn, found = fit_dispersion(pulled, FREE), bootstrap(pulled, FREE, runs=200), profile(pulled, FREE)
+    assert fit.verdicts["m"].word == AT_BOUND and "m" not in found and np.all(drawn.values[:, drawn.names.index("m")] == 0.0)
+    for low, high, name in [(*drawn.interval(n), n) for n in found] + [(*ends, n) for n, ends in found.items()]:
+        assert low < fit.values[name] < high, name
 
 
 def burst(r, seed):

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skin_ident.estimators.dispersion import settled, shape_of, theta_of
+from skin_ident.estimators.dispersion import shape_of, theta_of, within_bounds
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.noise import coloured
 from skin_ident.estimators.regression import Block, Regression
@@ -54,12 +54,11 @@ def bootstrap(
     stretch: float | None = None,
     seed: int = 0,
 ) -> Bootstrap:
-    """Resample the dispersion parameters `runs` times. `motions` replaces the measured motion; `stretch` is in s. Raises `FitError` where
-    the sessions are too short for such stretches."""
+    """Resample the parameters of `fit_dispersion` `runs` times. `motions` replaces the measured motion; `stretch` is in s. Raises
+    `FitError` where the sessions are too short for such stretches."""
     check_runs(runs)
     sessions, _ = prepare(recordings, motions)
-    shape = shape_of(sessions, mass, offsets)
-    regression, blocks = settled(sessions, shape)
+    shape, _, (regression, blocks), _ = within_bounds(sessions, shape_of(sessions, mass, offsets))
     period = sessions[0].motion.dt * sessions[0].prefilter.every
     recorded = period * sum(b.y.size for b in blocks[0])
     length = max(2, round((stretch or recorded / STRETCHES) / period))

@@ -71,12 +71,10 @@ def fit_dispersion(
     is one of `robust.LOSSES`. Raises `FitError` where the recordings lack what the fit needs.
     """
     sessions, warnings = prepare(recordings, motions)
-    shape = shape_of(sessions, mass, offsets)
-    sessions, (regression, blocks), held = robustly(sessions, shape, loss)
+    asked = shape_of(sessions, mass, offsets)
+    shape, sessions, (regression, blocks), held = within_bounds(sessions, asked, loss)
     beta, to = np.concatenate(regression.coefficients), theta_of(regression, shape)
     theta, to_theta = to(beta), jacobian(to, beta)
-    if shape.free and theta[0] < 0.0:
-        return _at_bound(recordings, motions, offsets, method, loss)
     known = with_steps(sessions, regression, blocks, said(sessions, shape, regression), [t.rows for t in held] or None)
     if held:
         to_theta = to_theta / np.concatenate([np.full(c.size, t.slope) for c, t in zip(regression.coefficients, held, strict=True)])
@@ -85,13 +83,8 @@ def fit_dispersion(
         warnings = (*warnings, f"{left.words}: {LACKING}")
     more = noted(loss, dict(zip(channel_names(shape), held, strict=False)))
     method += "" if loss == LINEAR else f", {loss} loss"
-    return _estimate(method, sessions, shape, regression, theta, to_theta @ known @ to_theta.T, warnings, more)
-
-
-def _at_bound(recordings, motions, offsets: bool, method: str, loss: str) -> Estimate:
-    """The fit with a mass of zero, the best that physics allows where the free mass came out negative."""
-    estimate = fit_dispersion(recordings, 0.0, motions, offsets=offsets, method=method, loss=loss)
-    return replace(estimate, verdicts={**estimate.verdicts, "m": mass_at_bound()})
+    estimate = _estimate(method, sessions, shape, regression, theta, to_theta @ known @ to_theta.T, warnings, more)
+    return estimate if shape == asked else replace(estimate, verdicts={**estimate.verdicts, "m": mass_at_bound()})
 
 
 def shape_of(sessions: list[Session], mass: float | str, offsets: bool) -> Shape:
@@ -131,6 +124,18 @@ def settled(sessions: list[Session], shape: Shape) -> tuple[Regression, list[lis
             break
         recovery = new
     return regression, blocks
+
+
+def within_bounds(
+    sessions: list[Session], shape: Shape, loss: str = LINEAR
+) -> tuple[Shape, list[Session], tuple[Regression, list[list[Block]]], list[Tamed]]:
+    """The shape that was fitted, and `robustly` for it: a free mass that comes out negative is held at zero, the best that physics allows.
+    Raises `FitError`."""
+    fitted = robustly(sessions, shape, loss)
+    regression, _ = fitted[1]
+    if shape.free and regression.coefficients[0][-3] < 0.0:
+        return within_bounds(sessions, replace(shape, free=False), loss)
+    return shape, *fitted
 
 
 def robustly(

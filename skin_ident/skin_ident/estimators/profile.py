@@ -26,7 +26,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from skin_ident.estimators.converter import with_steps
-from skin_ident.estimators.dispersion import Shape, said, settled, shape_of, theta_of
+from skin_ident.estimators.dispersion import Shape, said, shape_of, theta_of, within_bounds
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.regression import Block, Regression
 from skin_ident.estimators.sessions import prepare
@@ -55,13 +55,10 @@ def profile(
     """Intervals (low, high) about the estimates of `fit_dispersion`, by parameter, SI. Raises `FitError` as that does, and for data
     without noise."""
     sessions, _ = prepare(recordings, motions)
-    shape = shape_of(sessions, mass, offsets)
-    regression, blocks = settled(sessions, shape)
+    shape, _, (regression, blocks), _ = within_bounds(sessions, shape_of(sessions, mass, offsets))
     to = theta_of(regression, shape)
     beta = np.concatenate(regression.coefficients)
     theta, slope = to(beta), jacobian(to, beta)
-    if shape.free and theta[0] < 0.0:  # as `fit_dispersion` does: no mass
-        return profile(recordings, 0.0, motions, offsets=offsets, level=level)
     if any(noise <= EXACT * np.sqrt(np.mean(np.square(np.concatenate(y)))) for noise, y in _noise_and_rows(regression)):
         raise FitError("these data are exact, or nearly so: without noise there is no likelihood; leave --profile out")
     likelihood = _likelihood(blocks, regression, shape, theta)
