@@ -1,8 +1,8 @@
 """Many sessions, each fitted by itself, in parallel: one table of results, failures listed in it, resumable.
 
-Every finished session is appended to `fits.jsonl` at once, under a key made of its path, size, time of change and the options; a second
-call skips the sessions that are there. A session whose process died is not kept, since that was no fault of the session: the next call
-tries it again. `fits.csv` (or `fits.parquet`) is written from all rows at the end, whole or not at all.
+Every finished session is appended to `fits.jsonl` at once, under a key made of its path, size, time of change, its `rig.yaml` and the
+options; a second call skips the sessions that are there. A session whose process died is not kept, since that was no fault of the session:
+the next call tries it again. `fits.csv` (or `fits.parquet`) is written from all rows at the end, whole or not at all.
 """
 
 import csv
@@ -21,6 +21,7 @@ from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.fit import Options, fit_recordings, sessions_of
 from skin_ident.processes import no_interrupts, workers
 from skin_ident.recordings.carried import with_warnings_of
+from skin_ident.recordings.declared import rig_file
 from skin_ident.recordings.load import load_one
 from skin_models.errors import SkinError
 from skin_models.whole_file import whole_file
@@ -95,6 +96,8 @@ def _kept(path: Path) -> Iterator[TextIO]:
 def _key(path: Path, options: Options, how: dict[str, Any]) -> str:
     files = sorted(path.rglob("*")) if path.is_dir() else [path]
     facts = [(str(f), *_size_and_change(f)) for f in files]
+    rig = rig_file(path)
+    facts += [(str(rig), _content(rig))] if rig else []
     return hashlib.sha256(json.dumps([facts, asdict(options), how]).encode()).hexdigest()[:24]
 
 
@@ -103,6 +106,13 @@ def _size_and_change(file: Path) -> tuple[int, int]:
         return file.stat().st_size, file.stat().st_mtime_ns
     except OSError:  # a link to nothing: the fit will say so
         return 0, 0
+
+
+def _content(file: Path) -> str:
+    try:
+        return file.read_bytes().hex()
+    except OSError:  # the fit will say so
+        return ""
 
 
 def _journal(folder: Path) -> Iterator[dict[str, Any]]:

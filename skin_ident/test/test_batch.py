@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
-from making import SILICONE, recording, write_mcap, write_table
+from making import SILICONE, recording, write_bag, write_mcap, write_table
 
 from skin_ident import batch
 from skin_ident.batch import JOURNAL, run_batch
@@ -48,6 +48,19 @@ def test_a_link_to_nothing_is_a_row_like_others(folder, tmp_path):
     (folder / "gone.csv").symlink_to(tmp_path / "nowhere.csv")
     row = run_batch([folder / "gone.csv"], tmp_path, jobs=1)[0]
     assert row["status"] == "failed" and "link to nothing" in row["why"]
+
+
+@pytest.mark.parametrize("form", ["table", "bag"])
+def test_a_rig_file_that_is_edited_is_heard(tmp_path, form):
+    """Beside a bag, it lies outside of the folder that the bag is."""
+    r = recording(1, n=800)
+    path = write_table(tmp_path / "s.csv", r) if form == "table" else write_bag(tmp_path / "s", r)
+    masses = []
+    for declared in (None, "moving_mass_kg: 0.001\n", "moving_mass_kg: 0.002\n", "moving_mass_kg: 0.001\n"):
+        if declared:
+            (tmp_path / "rig.yaml").write_text(declared)
+        masses.append(run_batch([path], tmp_path, jobs=1)[0]["m"])
+    assert masses == [0.000432, 0.001, 0.002, 0.001] and len((tmp_path / JOURNAL).read_text().splitlines()) == 3
 
 
 def test_resumes_after_a_crash(folder, tmp_path):

@@ -137,12 +137,16 @@ class Declared:
 
 
 def declared_beside(path: Path) -> Declared:
-    """The declaration for `path` in the `rig.yaml` of its folder, or in `path` itself where that is a folder; an empty one where there is
-    none. Raises `RecordingError`, also for a folder of that name."""
-    for folder in (path, path.parent) if path.is_dir() else (path.parent,):
-        if os.path.lexists(folder / FILE_NAME):
-            return read_declared(folder / FILE_NAME).of(path.name)
-    return Declared()
+    """The declaration for `path` in the `rig.yaml` that `rig_file` finds; an empty one where there is none. Raises `RecordingError`, also
+    for a folder of that name."""
+    file = rig_file(path)
+    return Declared() if file is None else read_declared(file).of(path.name)
+
+
+def rig_file(path: Path) -> Path | None:
+    """The `rig.yaml` in the folder of `path`, or in `path` itself where that is a folder; None where there is none."""
+    folders = (path, path.parent) if path.is_dir() else (path.parent,)
+    return next((folder / FILE_NAME for folder in folders if os.path.lexists(folder / FILE_NAME)), None)
 
 
 def read_declared(path: Path) -> Declared:
