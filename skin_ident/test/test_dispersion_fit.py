@@ -8,7 +8,7 @@ from making import SILICONE, recording
 
 from skin_ident.estimators.dispersion import FREE, fit_dispersion
 from skin_ident.estimators.errors import FitError
-from skin_ident.estimators.estimate import FIXED, IDENTIFIABLE, NOT_IDENTIFIABLE
+from skin_ident.estimators.estimate import FIXED, IDENTIFIABLE, NEGATIVE, NOT_IDENTIFIABLE
 from skin_ident.estimators.prefilter import prefilters_for
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
@@ -129,6 +129,20 @@ def test_offsets_of_each_session_are_told_from_the_skin():
     assert [fit.values[n] for n in NAMES] == pytest.approx(SILICONE[4][1:], rel=0.02)
     assert fit.notes["offsets_n"]["force"] == pytest.approx({"s0": 1.0, "s1": 2.0}, abs=0.1)
     assert fit.notes["offsets_n"]["taxel_0"] == pytest.approx({"s0": -0.5, "s1": -0.5}, abs=0.1)
+
+
+@pytest.mark.parametrize(("gain", "against"), [(1.0, []), (1.4, ["k2"]), (2.0, ["b2", "k2"])])
+def test_taxels_that_feel_more_than_is_applied_are_said_to(gain, against):
+    """What is dispersed comes out negative then, and the more surely so the less noise there is."""
+    r = recording(1)
+    fit = fit_dispersion([replace(r, taxels=gain * r.taxels)], SILICONE[4][0])
+    assert [n for n in NAMES if fit.verdicts[n].word == NEGATIVE] == against
+    assert [w.split()[0] for w in fit.warnings if "feel more than is applied" in w and "check the gains" in w] == against
+
+
+def test_damping_is_negative_only_where_it_is_surely_so():
+    drowned = fit_dispersion([recording(5, truth=(0.0, 939.5, 9619.0, -1.0, 2766.0))])
+    assert drowned.verdicts["b2"].word == NOT_IDENTIFIABLE and not any("negative" in w for w in drowned.warnings)
 
 
 @pytest.mark.parametrize("dead", [0, 1, 2])

@@ -22,7 +22,7 @@ from skin_ident.estimators.regression import Block, Regression, regress
 from skin_ident.estimators.robust import CLOSE, LINEAR, Tamed, noted, tamed
 from skin_ident.estimators.sessions import Session, prepare
 from skin_ident.estimators.split import jacobian, metric_of, split, weights_of
-from skin_ident.estimators.verdicts import judge, mass_at_bound, where_explained
+from skin_ident.estimators.verdicts import judge, mass_at_bound, negative, where_explained
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
 from skin_models.model import Model
@@ -239,6 +239,7 @@ def _estimate(
     notes += complaints(residuals)
     verdicts, contributions = judge(sessions, shape, named, covariance)
     verdicts = where_explained(verdicts, contributions, residuals)
+    notes += negative({name: v.word for name, v in verdicts.items()})
     return Estimate(
         method=method,
         model=model,

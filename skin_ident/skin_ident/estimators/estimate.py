@@ -12,6 +12,7 @@ from skin_models.parameter import Parameter
 IDENTIFIABLE = "identifiable"
 WEAK = "weak"
 NOT_IDENTIFIABLE = "not identifiable"
+NEGATIVE = "negative"  # and surely so, which no skin of the model is
 AT_BOUND = "at its bound"
 FIXED = "fixed"
 HALF_95 = 1.96  # standard errors in half of a 95 % interval

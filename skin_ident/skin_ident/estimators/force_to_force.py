@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from skin_ident.estimators.errors import FitError
-from skin_ident.estimators.estimate import IDENTIFIABLE, NOT_IDENTIFIABLE, WEAK, Estimate, Residual, Verdict
+from skin_ident.estimators.estimate import IDENTIFIABLE, NEGATIVE, NOT_IDENTIFIABLE, WEAK, Estimate, Residual, Verdict
 from skin_ident.estimators.force_band import fit_in_band
 from skin_ident.estimators.prefilter import prefilters_for
 from skin_ident.estimators.robust import LINEAR, noted
@@ -170,4 +170,6 @@ def _verdict(p: Parameter, std: float) -> Verdict:
         return Verdict(word, f"known to {100 * std / abs(p.value):.2g} %")
     if word == WEAK:
         return Verdict(word, f"only {abs(p.value) / std:.1f} times its standard error")
+    if word == NEGATIVE:
+        return Verdict(word, "no skin of this model has that; check signs and gains, and for delays between the channels")
     return Verdict(word, "not told from zero by these data: the force hardly varies at the frequencies where this matters")

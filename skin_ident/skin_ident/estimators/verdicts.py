@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from skin_ident.estimators.errors import FitError
-from skin_ident.estimators.estimate import AT_BOUND, FIXED, IDENTIFIABLE, NOT_IDENTIFIABLE, POOR, WEAK, Residual, Verdict
+from skin_ident.estimators.estimate import AT_BOUND, FIXED, IDENTIFIABLE, NEGATIVE, NOT_IDENTIFIABLE, POOR, WEAK, Residual, Verdict
 from skin_ident.estimators.regression import Block, regress
 from skin_models.parameter import Parameter
 from skin_models.signals import GRAVITY
@@ -13,6 +13,11 @@ from skin_models.signals import GRAVITY
 SURE, VAGUE = 0.1, 0.5  # ratio of standard error to value: up to SURE a parameter is identifiable, above VAGUE it is not
 REACHED = 0.1  # a channel counts for a parameter if it holds at least this share of the parameter's largest term in any channel
 INERTIAL = 0.1  # least ratio of acceleration to gravity (rms) in the mass's column for the mass to be identifiable
+
+DELAYED = "no skin pushes less the faster it is pressed; check for delays between the channels"
+REVERSED = "what was measured falls while the skin is pressed; check signs"
+MORE = "the taxels feel more than is applied, which no model of the thesis can; check the gains of taxels and load cell"
+AGAINST = {"b1": DELAYED, "k1": REVERSED, "b2": f"{MORE}, and delays between them", "k2": MORE}  # what a negative value says
 
 
 def judge(sessions, shape, parameters: tuple[Parameter, ...], covariance: np.ndarray):
@@ -38,10 +43,15 @@ def where_explained(
     for name, verdict in verdicts.items():
         carried = contributions[name]
         bad = [channel for channel, newtons in carried.items() if channel in poor and newtons >= REACHED * max(carried.values())]
-        if bad and verdict.word in (IDENTIFIABLE, WEAK):
+        if bad and verdict.word in (IDENTIFIABLE, WEAK, NEGATIVE):
             share = f"only {100 * poor[bad[0]]:.0f} %" if poor[bad[0]] > 0.0 else "nothing"
             out[name] = Verdict(NOT_IDENTIFIABLE, f"the model explains {share} of {bad[0]}: this number is no property of the skin")
     return out
+
+
+def negative(words: Mapping[str, str]) -> list[str]:
+    """A warning for every parameter that is called negative, by the words of the verdicts."""
+    return [f"{name} is negative: {AGAINST.get(name, REVERSED)}" for name, word in words.items() if word == NEGATIVE]
 
 
 def mass_at_bound() -> Verdict:
@@ -70,8 +80,10 @@ def _carried(p: Parameter, parameters: tuple[Parameter, ...], shape, rms: dict[s
 
 
 def word_of(value: float, std: float) -> str:
-    """The word for how well a parameter is known, by the ratio of its standard error to its value."""
+    """The word for how well a parameter is known, by the ratio of its standard error to its value; one for what no skin has comes first."""
     relative = std / abs(value) if value else np.inf
+    if value < 0.0 and relative <= VAGUE:
+        return NEGATIVE
     return IDENTIFIABLE if relative <= SURE else WEAK if relative <= VAGUE else NOT_IDENTIFIABLE
 
 
@@ -91,6 +103,8 @@ def _verdict(p: Parameter, std: float, carried: dict[str, float], shape) -> Verd
     word = word_of(p.value, std)
     if word == IDENTIFIABLE:
         return Verdict(word, size)
+    if word == NEGATIVE:
+        return Verdict(word, f"{size}: {AGAINST[p.name]}")
     only = f"only {1 / relative:.1f} times its standard error" if word == WEAK else "not told from zero by these data"
     return Verdict(word, f"{size}: {only}")
 

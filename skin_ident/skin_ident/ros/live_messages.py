@@ -9,7 +9,7 @@ from skin_testbed_msgs.msg import ParameterEstimates
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import FIXED
 from skin_ident.estimators.live import LiveFit
-from skin_ident.estimators.verdicts import word_of
+from skin_ident.estimators.verdicts import negative, word_of
 from skin_models.dispersion import Dispersion
 from skin_models.model import Model
 
@@ -23,12 +23,17 @@ def estimates(fit: LiveFit, stamp: Time) -> ParameterEstimates:
     errors = [math.nan] * count if fit.live is None else fit.live.std.tolist()
     message = ParameterEstimates(model="dispersion", window=fit.window)
     message.header.stamp = stamp
-    message.names = ["m", *NAMES, *(f"share_{i}" for i in range(count - 4))]
+    message.names = ["m", *_names(count)]
     message.values, message.standard_errors = [fit.mass, *values], [0.0, *errors]
     message.units = ["kg", *UNITS, *["1"] * (count - 4)]
     message.verdicts = [FIXED, *(_word(n, v, s) for n, v, s in zip(message.names[1:], values, errors, strict=True))]
     message.effective_samples = 0.0 if fit.live is None else float(fit.live.rows)
     return message
+
+
+def _names(count: int) -> list[str]:
+    """Names of so many parameters, without the mass."""
+    return [*NAMES, *(f"share_{i}" for i in range(count - len(NAMES)))]
 
 
 def _word(name: str, value: float, std: float) -> str:
@@ -85,4 +90,7 @@ def _level(fit: LiveFit) -> tuple[bytes, str]:
         return DiagnosticStatus.WARN, "samples are lost or no numbers"
     if fit.health.silent:
         return DiagnosticStatus.WARN, f"estimating; {fit.health.silent} of the taxels send no numbers and are taken for silent"
+    against = negative({n: word_of(v, s) for n, v, s in zip(_names(fit.live.values.size), fit.live.values, fit.live.std, strict=True)})
+    if against:
+        return DiagnosticStatus.WARN, f"estimating; {'; '.join(against)}"
     return DiagnosticStatus.OK, "estimating"
