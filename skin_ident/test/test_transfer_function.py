@@ -1,10 +1,13 @@
 """Transfer functions: exact discretisation, exact derivatives, the truth recovered, standard errors that hold."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from making import SILICONE, noise, recording
 from scipy.signal import cont2discrete, lsim
 
+from skin_ident.estimators.dispersion import fit_dispersion
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import IDENTIFIABLE, NOT_IDENTIFIABLE
 from skin_ident.estimators.force_to_force import fit_force_to_force
@@ -77,6 +80,15 @@ def test_exact_data_give_exact_coefficients():
 def test_sessions_of_different_rates_are_fitted_together():
     fit = output_error([pair(THESIS[2], 4000, 0.01, seed=1), pair(THESIS[2], 9000, 0.004, seed=2)])
     assert fit.function.theta == pytest.approx(THESIS[2].theta, rel=0.01)
+
+
+@pytest.mark.parametrize("n", [600, 100])
+@pytest.mark.parametrize("depth", [True, False])
+def test_a_session_that_is_short_beside_a_slow_one_is_refused_as_with_a_depth(n, depth):
+    """The low-pass that suits both is longer than the fast session, or than what is left of it."""
+    made = [recording(1, n=900, dt=0.1, hz=0.05, name="slow"), recording(2, n=n, dt=0.001, hz=2.0, name="fast")]
+    with pytest.raises(FitError, match="fast: no stretch of it is long"):
+        fit_dispersion(made) if depth else fit_force_to_force([replace(r, depth=None) for r in made])
 
 
 @pytest.mark.parametrize("rho", [0.0, 0.9])

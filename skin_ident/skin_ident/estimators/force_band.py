@@ -12,12 +12,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.signal import oaconvolve
 
-from skin_ident.estimators.prefilter import Prefilter, low_pass, prefilters_for
+from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.prefilter import Prefilter, low_pass, prefilters_for, valid
 from skin_ident.estimators.regression import Block, Regression, regress
 from skin_ident.estimators.robust import LINEAR, Tamed
 from skin_ident.estimators.robust_output import robustly
+from skin_ident.estimators.sessions import NO_STRETCH
 from skin_ident.estimators.transfer_data import Pair, lags, through
 from skin_ident.estimators.transfer_fit import TransferFit, unweighted
 from skin_ident.estimators.transfer_function import TransferFunction, derivatives
@@ -35,12 +36,15 @@ def fit_in_band(pairs: Sequence[Pair], poles: int, offset: bool, loss: str = LIN
 
 def _fitted(pairs: Sequence[Pair], poles: int, offset: bool) -> TransferFit:
     prefilters = prefilters_for([(p.u, p.dt) for p in pairs])
+    short = [p.name for p, q in zip(pairs, prefilters, strict=True) if q.rows(p.u).size < q.fewest]
+    if short:
+        raise FitError(f"{short[0]}: {NO_STRETCH} in the band of all sessions together; leave it out, or fit it by itself")
     f, rounds, converged = unweighted([_in_band(p, q) for p, q in zip(pairs, prefilters, strict=True)], 1, poles, offset)
     fit = regress([[_block(p, q, f, offset, i, len(pairs)) for i, (p, q) in enumerate(zip(pairs, prefilters, strict=True))]])
     count = f.theta.size
     pull = fit.inverses[0][-count:, -count:] @ sum(_pull(e.size, q, f, fit) for e, q in zip(fit.residuals[0], prefilters, strict=True))
     covariance = fit.covariance[-count:, -count:] + np.outer(pull, pull) / 3.0  # variance of a bias whose share (0 to 1) is unknown
-    measured = [oaconvolve(q.rows(p.y), q.kernel, mode="valid") for p, q in zip(pairs, prefilters, strict=True)]
+    measured = [valid(q.rows(p.y), q.kernel) for p, q in zip(pairs, prefilters, strict=True)]
     return TransferFit(f, covariance, fit.residuals[0], fit.ar[0], fit.noise[0], fit.dof, rounds, converged, measured)
 
 
@@ -58,7 +62,7 @@ def _pull(rows: int, prefilter: Prefilter, f: TransferFunction, fit: Regression)
 def _in_band(p: Pair, prefilter: Prefilter) -> Pair:
     """The pair through the low-pass of the band, at full rate, without the ends that the filter spoils."""
     kernel = low_pass(prefilter.edge, p.dt, 1.5)
-    return replace(p, u=oaconvolve(p.u, kernel, mode="valid"), y=oaconvolve(p.y, kernel, mode="valid"))
+    return replace(p, u=valid(p.u, kernel), y=valid(p.y, kernel))
 
 
 def _block(p: Pair, prefilter: Prefilter, f: TransferFunction, offset: bool, session: int, sessions: int) -> Block:

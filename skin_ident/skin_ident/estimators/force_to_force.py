@@ -16,7 +16,7 @@ from skin_ident.estimators.estimate import IDENTIFIABLE, NEGATIVE, NOT_IDENTIFIA
 from skin_ident.estimators.force_band import fit_in_band
 from skin_ident.estimators.prefilter import prefilters_for
 from skin_ident.estimators.robust import LINEAR, noted
-from skin_ident.estimators.sessions import because, stretches
+from skin_ident.estimators.sessions import NO_STRETCH, because, stretches
 from skin_ident.estimators.split import jacobian
 from skin_ident.estimators.transfer_data import Pair
 from skin_ident.estimators.transfer_fit import TransferFit
@@ -86,7 +86,7 @@ def _pairs(r: Recording, index: int, good: np.ndarray) -> list[Pair]:
     """The stretches of a recording in which all samples are trusted. Raises `FitError` where there is none."""
     parts = stretches(good, SHORTEST)
     if not parts:
-        raise FitError(f"{r.name}: no stretch of it is long and good enough to be fitted{because(r)}")
+        raise FitError(f"{r.name}: {NO_STRETCH}{because(r)}")
     taxel = r.taxels[index]
     return [Pair(r.name, np.ascontiguousarray(r.force[p]), np.ascontiguousarray(taxel[p]), r.dt) for p in parts]
 

@@ -13,6 +13,7 @@ from scipy.signal import firwin, oaconvolve, welch
 HEADROOM = 3.0  # ratio of the cut-off to the highest frequency of the motion
 FLOOR = 6.0  # times the encoder's noise floor: a weaker spectral line counts as noise
 WIDER = 2.5  # cut-off for the depth, from which speed and contact are computed, relative to `edge`
+FEWEST_ROWS = 20  # rows that must be left of a stretch
 AROUND = 8.0  # cut-off of the wide band, in which the noise is estimated, relative to `edge`
 
 
@@ -46,8 +47,12 @@ class Prefilter:
         """y (..., N) through the first low-pass, without the ends, decimated."""
         if self.wide * self.dt >= 0.4:
             return y
-        kernel = low_pass(self.wide, self.dt, 4.0).reshape((1,) * (y.ndim - 1) + (-1,))
-        return oaconvolve(y, kernel, mode="valid", axes=-1)[..., :: self.every]
+        return valid(y, low_pass(self.wide, self.dt, 4.0))[..., :: self.every]
+
+    @property
+    def fewest(self) -> int:
+        """The rows that a stretch must have, so that enough are left when the second low-pass has removed its ends."""
+        return self.kernel.size + FEWEST_ROWS
 
     def samples(self, rows: slice) -> slice:
         """The samples from which these rows are computed."""
@@ -95,6 +100,13 @@ def _highest_frequency(x: np.ndarray, dt: float) -> float:
     floor = np.median((power / response)[f > 0.3 / dt])
     clean = np.where(power > FLOOR * floor * response, power, 0.0)
     return float(f[np.searchsorted(np.cumsum(clean), 0.999 * clean.sum())])
+
+
+def valid(y: np.ndarray, kernel: np.ndarray) -> np.ndarray:
+    """y (..., N) through the kernel, without the ends; empty where y is shorter than the kernel, for scipy would exchange the two."""
+    if y.shape[-1] < kernel.size:
+        return y[..., :0]
+    return oaconvolve(y, kernel.reshape((1,) * (y.ndim - 1) + (-1,)), mode="valid", axes=-1)
 
 
 def low_pass(edge: float, dt: float, length: float) -> np.ndarray:

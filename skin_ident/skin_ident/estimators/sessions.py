@@ -17,7 +17,7 @@ from skin_models.signals import GRAVITY, Motion, motion
 from skin_models.words import counted
 
 FELT = 0.02  # share of the largest force above which there is contact
-FEWEST_ROWS = 20  # rows that a stretch between faults must have after the low-pass has removed its ends
+NO_STRETCH = "no stretch of it is long and good enough to be fitted"
 
 
 @dataclass(frozen=True)
@@ -132,9 +132,9 @@ def _session(r: Recording, prefilter: Prefilter, good: np.ndarray, quality: Qual
     if not np.any(s.x > 0.0):
         raise FitError(f"{r.name}: the plunger never touches the skin (depth > 0 nowhere); set the encoder's zero at the surface")
     rows = prefilter.rows
-    parts = stretches(rows((~good).astype(float)) < 1e-3, prefilter.kernel.size + FEWEST_ROWS)
+    parts = stretches(rows((~good).astype(float)) < 1e-3, prefilter.fewest)
     if not parts:
-        raise FitError(f"{r.name}: no stretch of it is long and good enough to be fitted{because(r)}")
+        raise FitError(f"{r.name}: {NO_STRETCH}{because(r)}")
     force = None if r.force is None else rows(r.force)
     felt = _felt(r, taxels, prefilter)
     raw = (*(() if r.force is None else (r.force,)), *taxels)
