@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from making import SILICONE, recording, response, write_table
 
+from skin_ident.cli import fit
 from skin_ident.cli.fit import main
 from skin_ident.estimators.dispersion import fit_dispersion
 from skin_ident.estimators.errors import FitError
@@ -57,6 +58,22 @@ def test_kept_stamps_fit_better_than_resampled_ones(tmp_path):
 def test_those_that_feel_most_are_looked_at():
     found = latencies([recording(n=1000, shares=(*[0.01] * 9, 0.5, 1.0))], SILICONE[4][0])
     assert len(found) == 8 and {"force", "taxel_9", "taxel_10"} <= set(found)
+
+
+def test_taxels_that_are_dead_in_one_of_the_sessions_are_none_of_those():
+    """Seven taxels feel most in the first session and nothing in the second: the fit leaves them out, and so must this."""
+    a, b = (recording(seed, shares=(*[1.0] * 7, 0.5, 0.2), name=name) for seed, name in ((1, "a"), (2, "b")))
+    b.taxels[:7] = 0.0
+    assert list(latencies([a, b], SILICONE[4][0])) == ["force", "taxel_7", "taxel_8"] == list(fit_dispersion([a, b]).residuals)
+
+
+def test_a_fit_needs_no_latency(tmp_path, capsys, monkeypatch):
+    def refused(recordings, mass):
+        raise FitError("no motion is fast enough")
+
+    monkeypatch.setattr(fit, "latencies", refused)
+    assert main([str(write_table(tmp_path / "a.csv", recording(n=1000)))]) == 0
+    assert "no latency behind the depth can be told: no motion is fast enough" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("truth", "tells"), [((0.0, 0.1, 9619.0, 0.1, 2766.0), False), (SILICONE[4], True)], ids=["elastic", "damped"])

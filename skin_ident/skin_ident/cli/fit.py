@@ -145,9 +145,12 @@ def _check_bags(chosen: argparse.Namespace) -> None:
 
 
 def _with_latencies(estimate: Estimate, recordings: list[Recording], options: Options) -> Estimate:
-    """The same with the latency of every channel in the notes, and a warning where one matters."""
+    """The same with the latency of every channel in the notes, and a warning where one matters or none can be told."""
     mass = mass_of(replace(options, mass=FIXED) if options.mass == FREE else options, recordings)  # a free mass would stand for a delay
-    found = {n: latency for n, latency in latencies(recordings, mass).items() if estimate.residuals[n].r2 >= POOR}
+    try:
+        found = {n: latency for n, latency in latencies(recordings, mass).items() if estimate.residuals[n].r2 >= POOR}
+    except FitError as error:
+        return replace(estimate, warnings=(*estimate.warnings, f"no latency behind the depth can be told: {error}"))
     said = [w for name, latency in found.items() for w in latency.warning(name, recordings[0].dt)]
     entries = {name: {"value": 1e3 * latency.seconds, "std": 1e3 * latency.std} for name, latency in found.items()}
     return replace(estimate, warnings=(*estimate.warnings, *said), notes={**estimate.notes, "latency_behind_depth_ms": entries})

@@ -17,7 +17,7 @@ from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.figures import plus_minus
 from skin_ident.estimators.prefilter import HEADROOM
 from skin_ident.estimators.regression import Block, regress
-from skin_ident.estimators.sessions import Session, prepare
+from skin_ident.estimators.sessions import Session, live_taxels, prepare
 from skin_ident.recordings.recording import Recording
 
 ROUNDS = 12  # Gauss-Newton steps at most
@@ -58,9 +58,11 @@ def latencies(recordings: Sequence[Recording], mass: float | str = 0.0) -> dict[
 
 
 def _strongest(recordings: Sequence[Recording]) -> list[int]:
-    """The taxels with the largest covariance with the depth."""
-    follow = sum((np.abs(r.taxels @ (r.depth - r.depth.mean())) for r in recordings if r.depth is not None), np.zeros(1))
-    return sorted(np.argsort(-follow, kind="stable")[:MOST].tolist()) if follow.size > 1 else list(range(len(recordings[0].taxels)))
+    """The taxels with the largest covariance with the depth, among those that take part in the fit."""
+    live = list(live_taxels(recordings))
+    deep = [r for r in recordings if r.depth is not None]
+    follow = sum((np.abs(r.taxels[live] @ (r.depth - r.depth.mean())) for r in deep), np.zeros(len(live)))
+    return sorted(live[i] for i in np.argsort(-follow, kind="stable")[:MOST])
 
 
 def _of_channel(sessions: list[Session], shape: Shape, c: int, recovery: float) -> Latency:

@@ -106,7 +106,7 @@ def prepare(recordings: Sequence[Recording], motions: Sequence[Motion] | None = 
     recordings = [r.warned(*q.warnings) for r, _, q in looked]
     prefilters = prefilters_for([(drawn_again(r.depth), r.dt) for r in recordings])
     warnings = tuple(said_of(r.name, w) for r in recordings for w in r.warnings)
-    live = _live(recordings)
+    live = live_taxels(recordings)
     each = zip(recordings, prefilters, looked, strict=True)
     sessions = [_session(r, prefilter, good, q, live) for r, prefilter, (_, good, q) in each]
     if motions is not None:
@@ -114,7 +114,7 @@ def prepare(recordings: Sequence[Recording], motions: Sequence[Motion] | None = 
     return sessions, warnings
 
 
-def _live(recordings: Sequence[Recording]) -> tuple[int, ...]:
+def live_taxels(recordings: Sequence[Recording]) -> tuple[int, ...]:
     """Indices of taxels in newtons that change in every recording. Raises `FitError` where all of them are dead, or the load cell is."""
     in_newtons = [i for i in range(len(recordings[0].taxels)) if all(r.taxel_units[i] == "N" for r in recordings)]
     still = [r.name for r in recordings if r.force is not None and np.ptp(r.force) == 0.0]
