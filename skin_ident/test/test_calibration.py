@@ -1,5 +1,6 @@
 """Slopes of taxels in volts come back with errors that hold, and what they are written to reads them."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -120,6 +121,53 @@ def test_a_zero_is_taken_from_the_first_second_of_numbers(tmp_path):
     (r,) = load(tmp_path / "a.csv")
     assert r.taxels[0, -1] == pytest.approx(1.99, abs=0.01)
     assert "taxel_0: zero taken as 0.31 V, the median of the first second from 1.5 s on, where its numbers begin" in " ".join(r.warnings)
+
+
+PRESS = recording(2, shares=(1.0, 0.3), n=1000)
+AIR = replace(PRESS, name="air", depth=PRESS.depth - 2e-3, force=0.0 * PRESS.force, taxels=0.0 * PRESS.taxels)
+
+
+def silenced(r, row, value):
+    rows = r.taxels.copy()
+    rows[row] = value
+    return replace(r, taxels=rows)
+
+
+@pytest.mark.parametrize(
+    ("made", "left", "told"),
+    [([replace(PRESS, force=np.full(1000, 0.7))], ["taxel_0", "taxel_1"], "force has no line: it never changes"),
+     ([silenced(PRESS, 1, 0.0)], ["force", "taxel_0"], "taxel_1 has no line: it never changes"),
+     ([silenced(PRESS, 1, np.random.default_rng(0).normal(size=1000))], ["force", "taxel_0"], "taxel_1 has no line: the two hardly"),
+     ([PRESS, AIR], ["force", "taxel_0", "taxel_1"], "air is left out: the plunger does not touch the skin")],
+)  # fmt: skip
+def test_one_channel_without_a_stiffness_leaves_those_of_the_others(made, left, told):
+    found = stiffness(made)
+    assert list(found) == left and any(note.startswith(told) for note in found.notes)
+    assert all(line.slope > 1000.0 and np.isfinite(line.zero) for line in found.values())
+
+
+def test_a_dead_taxel_is_not_taken_for_the_load(tmp_path, capsys):
+    r = stairs()
+    both = replace(r, taxels=np.vstack([r.taxels, np.full(len(r), 0.3)]), taxel_names=("ai1", "ai2"), taxel_units=("V", "V"))
+    found = calibrate([both])
+    assert list(found) == ["ai1"] and found.notes == ("ai2 has no line: it never changes: it is dead, or nothing acted on it",)
+    rows = np.column_stack([both.t, both.force, *both.taxels])
+    np.savetxt(tmp_path / "s.csv", rows, delimiter=",", header="time_s,force_n,ai1_v,ai2_v", comments="")
+    assert main([str(tmp_path / "s.csv"), "--what", "calibration", "--out", str(tmp_path / "out")]) == 0
+    written = json.loads((tmp_path / "out" / "fit.json").read_text())
+    assert found.notes[0] in capsys.readouterr().out and found.notes[0] in written["warnings"]
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [(lambda: stiffness([AIR]), "never touches the skin"),
+     (lambda: stiffness([replace(PRESS, depth=np.full(1000, 1e-3))]), "the depth never changes"),
+     (lambda: stiffness([replace(PRESS, force=0.0 * PRESS.force, taxels=0.0 * PRESS.taxels)]), "force has no line.*taxel_0.*taxel_1"),
+     (lambda: calibrate([replace(stairs(), force=np.zeros(len(stairs())))]), "the force never changes")],
+)  # fmt: skip
+def test_what_no_channel_has_is_said(call, says):
+    with pytest.raises(FitError, match=says):
+        call()
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import Any
 
 from skin_ident.cli import common
-from skin_ident.estimators.calibration import Line, as_rig_yaml, calibrate, direct_load, stiffness
+from skin_ident.estimators.calibration import Lines, as_rig_yaml, calibrate, direct_load, stiffness
 from skin_ident.estimators.estimate import HALF_95
 from skin_ident.estimators.figures import figures, plus_minus
 from skin_ident.estimators.prony import NO_RELAXATION, Arm, PronyFit, fit_prony
@@ -28,18 +28,21 @@ def fit_other(
     with which calibrated ones are compared. Raises `FitError`."""
     if what == PRONY:
         return _prony(recordings, out, arms)
-    lines, notes = (calibrate(recordings), direct_load(recordings)) if what == CALIBRATION else (stiffness(recordings), [])
+    lines = calibrate(recordings) if what == CALIBRATION else stiffness(recordings)
+    notes = direct_load(recordings) if what == CALIBRATION else []
     recordings = [recordings[0].warned(*notes), *recordings[1:]] if notes else recordings
     print("\n".join(_lines(what, recordings, lines, in_use)))
     if out:
         folder, method = common.output_folder(out), f"{what}, straight lines by least squares"
-        common.write_json(folder / "fit.json", {"schema": 1, "method": method, **_sources(recordings), what: _each(lines)})
+        sources = _sources(recordings, lines.notes)
+        common.write_json(folder / "fit.json", {"schema": 1, "method": method, **sources, what: _each(lines)})
         common.say(f"wrote {folder / 'fit.json'}")
     return 0
 
 
-def _sources(recordings: Sequence[Recording]) -> dict[str, Any]:
-    return {"recordings": [r.name for r in recordings], "warnings": [said_of(r.name, w) for r in recordings for w in r.warnings]}
+def _sources(recordings: Sequence[Recording], notes: Sequence[str] = ()) -> dict[str, Any]:
+    said = [said_of(r.name, w) for r in recordings for w in r.warnings]
+    return {"recordings": [r.name for r in recordings], "warnings": [*said, *notes]}
 
 
 def _each(things: Mapping[str, Any]) -> dict[str, Any]:
@@ -50,7 +53,7 @@ def _of(recordings: Sequence[Recording]) -> str:
     return f"{counted(len(recordings), 'session')} ({', '.join(r.name for r in recordings)}), ± 95 %"
 
 
-def _lines(what: str, recordings: Sequence[Recording], lines: Mapping[str, Line], in_use: Mapping[str, float]) -> list[str]:
+def _lines(what: str, recordings: Sequence[Recording], lines: Lines, in_use: Mapping[str, float]) -> list[str]:
     against, unit, zero = ("load cell", "N/V", (1.0, "V")) if what == CALIBRATION else ("depth", "N/m", (1e3, "mm"))
     out = [f"{what} against the {against}: {_of(recordings)}"]
     out += [
@@ -62,7 +65,8 @@ def _lines(what: str, recordings: Sequence[Recording], lines: Mapping[str, Line]
         known = {name: (line.slope / in_use[name], in_use[name]) for name, line in lines.items() if name in in_use}
         out += [f"  {name:<10} is {ratio:.3g} times what it was recorded with: {own:.4g} N/V" for name, (ratio, own) in known.items()]
         out += ["for rig.yaml, if the load lay on the taxel itself:", as_rig_yaml(dict(lines)).rstrip()]
-    told = [w for w in _sources(recordings)["warnings"] if what != CALIBRATION or UNCALIBRATED not in w]  # which is what is asked for
+    said = _sources(recordings, lines.notes)["warnings"]
+    told = [w for w in said if what != CALIBRATION or UNCALIBRATED not in w]  # which is what is asked for
     return out + [f"note: {w}" for w in told]
 
 
