@@ -8,7 +8,7 @@ from making import SILICONE, recording
 
 from skin_ident.estimators.dispersion import fit_dispersion
 from skin_ident.estimators.prefilter import Prefilter
-from skin_ident.estimators.quantization import amplitudes, step_of
+from skin_ident.estimators.quantization import amplitudes, step_of, widest_step
 
 TRUTH = dict(zip(("b1", "k1", "b2", "k2", "share_1"), (*SILICONE[4][1:], 0.4), strict=True))
 STEPS = (0.0678, 0.107)
@@ -26,6 +26,19 @@ def test_steps_are_found_in_the_data():
     y = 8 * np.sin(np.arange(4000) / 60) + 0.01 * rng.normal(size=4000)
     assert step_of((np.rint(y / 0.107 + 0.3) - 0.3) * 0.107) == pytest.approx(0.107)
     assert step_of(y) is None and step_of(np.zeros(100)) is None
+
+
+@pytest.mark.parametrize("rest", [0, 25_000])
+def test_steps_are_seen_after_a_long_rest(rest):
+    y = np.rint(8 * np.sin(np.arange(12_000) / 600) / 0.107) * 0.107
+    assert step_of(np.concatenate([np.zeros(rest), y])) == pytest.approx(0.107)
+
+
+def test_steps_are_seen_in_a_later_session_and_beside_another_tare():
+    y = 8 * np.sin(np.arange(4000) / 60)
+    tared, moved, rest = (np.rint(x / 0.107 + p) * 0.107 - 0.107 * p for x, p in ((y, 0.0), (y, 0.3), (0.02 * y / 8 + 0.05, 0.0)))
+    assert widest_step([rest, tared]) == pytest.approx(0.107) == widest_step([moved, tared])
+    assert widest_step([rest]) is None and np.ptp(rest) > 0.0
 
 
 def test_noise_takes_the_mean_error_away():

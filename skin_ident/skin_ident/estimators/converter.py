@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg import block_diag
 
-from skin_ident.estimators.quantization import amplitudes, covariance_of_steps, noise_of, step_of
+from skin_ident.estimators.quantization import amplitudes, covariance_of_steps, noise_of, widest_step
 from skin_ident.estimators.regression import Block, Regression
 from skin_ident.estimators.sessions import Session
 
@@ -26,7 +26,7 @@ def with_steps(
     """
     parts, shares = [], []
     for c, (channel, inverse) in enumerate(zip(blocks, regression.inverses, strict=True)):
-        step = step_of(np.concatenate([s.raw[c] for s in sessions]))
+        step = widest_step([s.raw[c] for s in sessions])
         fitted = [s.raw[c] for s in sessions] if rows is None else rows[c]
         found = None if step is None else _of_channel(sessions, fitted, channel, inverse, values[c], step)
         own, share = (0.0, 1.0) if found is None else found

@@ -21,12 +21,18 @@ SMALL = 1e-3  # of a step: smaller amplitudes are left out
 LEVELS = 4  # fewest levels from which a converter is recognised
 ON_GRID = 0.95  # share of the distances between levels that must be whole steps
 UNSURE = 0.1  # of q^2 / 12: the error of a few steps may differ this much from that of many; the difference is not taken for noise
-PROBES = 20_000  # samples in which steps are looked for
+PROBES = 20_000  # samples of a session in which steps are looked for
+
+
+def widest_step(sessions: Sequence[np.ndarray]) -> float | None:
+    """The step of a channel (N,) in the sessions that show one, or None where none does. Each is asked by itself, for a tare moves all
+    levels, and a rest visits only a few."""
+    return max(filter(None, map(step_of, sessions)), default=None)
 
 
 def step_of(y: np.ndarray) -> float | None:
     """The step between the levels of a channel (N,), or None where it has none."""
-    some = y[:PROBES]
+    some = y[:: -(-y.size // PROBES)]
     levels = np.unique(some)
     if not LEVELS <= levels.size <= 0.5 * some.size:
         return None
