@@ -89,6 +89,16 @@ def test_a_clock_that_is_set_back_stops_nobody(back):
     assert fit.health.used == 10 and fit.health.used_ever > 2900
 
 
+def test_a_clock_that_is_set_back_to_samples_that_are_no_numbers_leaves_a_stamp_that_is_one():
+    """The stamp of the newest sample is published, and one before the epoch is refused there; what is valid again is a new beginning."""
+    fit = LiveFit(30.0, 5.0, SILICONE[4][0])
+    offered(fit, range(1000))
+    offered(fit, range(40), shift_ns=1 - 10**12, scale=np.nan)
+    assert fit.newest == 0 and fit.health.invalid == 10
+    offered(fit, range(40, 50), shift_ns=1 - 10**12)
+    assert fit.newest == round(R.t[49] * 1e9) + 1 and fit.health.pauses == 1 and fit.health.used == 10
+
+
 def test_absurd_values_are_left_out():
     fit = LiveFit(30.0, 5.0, SILICONE[4][0])
     offered(fit, range(1000))

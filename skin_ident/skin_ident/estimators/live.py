@@ -10,7 +10,6 @@ from skin_ident.estimators.recursive import Live, Memory, State
 LEARN = 20  # samples from which sampling period and number of taxels are learnt
 KEEP = 4000  # most samples of a topic that wait for those of the other topics
 LOST = 10.5  # periods: after a longer pause the filter starts anew
-LONG_AGO = 10**12  # ns
 FARTHEST, STRONGEST = 10.0, 1e5  # m, N: larger values are invalid
 
 
@@ -42,7 +41,7 @@ class LiveFit:
     memory: Memory | None = None
     state: State | None = None
     live: Live | None = None
-    newest: int = 0  # ns
+    newest: int = 0  # ns; 0 where no sample was used yet, or none since the clock was set back
     health: Health = field(default_factory=Health)
     _heard: dict[str, dict[int, np.ndarray]] = field(default_factory=lambda: {"encoder": {}, "force": {}, "taxels": {}})
     _offered: set[str] = field(default_factory=set)  # topics that sent something since the last update
@@ -52,6 +51,7 @@ class LiveFit:
     _dropped: int = 0
     _left_out: int = 0  # messages of a topic that had sent nothing when the others were learnt
     _behind: int = 0  # consecutive samples with stamps older than the newest
+    _set_back: bool = False  # whether the clock was, since the last sample that was used
     _odd: int = 0  # consecutive samples with another number of taxels
 
     def offer(self, role: str, stamp_ns: int, values: np.ndarray) -> None:
@@ -125,7 +125,7 @@ class LiveFit:
         fitting = [(stamp, row) for stamp, row in rows if stamp > self.newest]
         self._behind = 0 if fitting else self._behind + len(rows)
         if self._behind >= LEARN:  # the clock was set back, as when a bag is replayed, or one stamp was in the future
-            fitting, self.newest, self._behind = rows, rows[0][0] - LONG_AGO, 0
+            fitting, self.newest, self._behind, self._set_back = rows, 0, 0, True
         self.health = replace(self.health, alone=self.health.alone + self._seen - len(fitting))
         return fitting
 
@@ -157,14 +157,14 @@ class LiveFit:
     def _after(self, stamp: int, value: np.ndarray) -> bool:
         """Queue one sample, with short losses before it interpolated. Returns True after a pause, where the filter starts anew."""
         steps = (stamp - self.newest) * 1e-9 / self.memory.dt if self.newest else 1.0
-        paused = steps > LOST
+        paused = self._set_back or steps > LOST
         if paused:
             self._flush()
             self.state = recursive.restarted(self.memory, self.state)
         missing = 0 if paused or self._last is None else max(0, round(steps) - 1)
         self._rows += [self._last + (value - self._last) * (i + 1) / (missing + 1) for i in range(missing)]
         self._rows.append(value)
-        self._last, self.newest = value, stamp
+        self._last, self.newest, self._set_back = value, stamp, False
         return paused
 
     def _flush(self) -> None:
