@@ -59,6 +59,7 @@ def diagnostics(fit: LiveFit, stamp: Time, name: str) -> DiagnosticArray:
     """Rate, losses and excitation, with the level a person must act on."""
     h, live = fit.health, fit.live
     level, message = _level(fit)
+    first = "taxel_0" if fit.memory is not None and not fit.memory.force else "force"
     values = {
         "rate (Hz)": f"{h.rate:.4g}",
         "jitter (ms)": f"{round(1e3 * h.jitter, 6):.3g}",  # stamps are whole nanoseconds
@@ -69,7 +70,7 @@ def diagnostics(fit: LiveFit, stamp: Time, name: str) -> DiagnosticArray:
         "taxels that send no numbers": h.silent,
         "speed in contact (mm/s rms)": f"{1e3 * live.speed:.3g}" if live else "",
         "depth in contact (mm rms)": f"{1e3 * live.depth:.3g}" if live else "",
-        "residual of force (N rms)": f"{live.residual[0]:.3g}" if live else "",
+        f"residual of {first} (N rms)": f"{live.residual[0]:.3g}" if live else "",
     }
     pairs = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
     status = DiagnosticStatus(level=level, name=f"{name}: live identification", message=message, hardware_id="", values=pairs)
