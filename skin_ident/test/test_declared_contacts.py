@@ -1,4 +1,5 @@
-"""Where each recording presses, as rig.yaml says it by name: with or without the suffix, and never silently passed over."""
+"""Where each recording presses, as rig.yaml says it by name: with or without the suffix, and never silently passed over. And what it
+says of nothing."""
 
 import numpy as np
 import pytest
@@ -57,3 +58,10 @@ def test_several_places_have_the_names_of_recordings(folder):
 @pytest.mark.parametrize(("thick", "asked"), [("400", True), ("4", False), ("", False)])
 def test_a_skin_that_is_hardly_so_thick_is_asked_about(thick, asked):
     assert any("is it in millimetres" in w for w in declared_from(f"skin_thickness_mm: {thick}\n").warnings) is asked
+
+
+def test_steps_and_noise_of_zero_are_taken_as_unknown():
+    found = declared_from("encoder_noise_um: 0.0\ntaxel_step_n: [0, 0]\nforce_noise_n: 0.02\n")
+    assert (found.encoder_noise_um, found.taxel_step_n, found.force_noise_n) == (None, (), 0.02)
+    said = "{} in rig.yaml is 0, which no reading has: taken as unknown"
+    assert set(found.warnings) == {said.format("encoder_noise_um"), said.format("taxel_step_n")}

@@ -56,7 +56,8 @@ The method, in the order in which `diagnose` runs it:
     - the mass of the model is fitted where that explains more than any cause (`search.weighing`);
     - where no cause passes alone and hardware does not explain as much as the best, pairs of causes that hide each other are tried
       (`search.together`);
-    - a cause that only led the fit out of a false minimum is dropped again (`search.unstuck`).
+    - a cause that only led the fit out of a false minimum is dropped again (`search.unstuck`);
+    - play of the drive that the encoder is too coarse to read is searched beside, and is no finding (`search.unread_play`).
 
 8.  The gate (`gates`, `search.believing`). A cause must predict held-out sessions better: block bootstrap on the gain, after allowing for
     what training leaves uncertain. The gain must exceed what steps of encoder and converters and noise of the depth leave open, either by a

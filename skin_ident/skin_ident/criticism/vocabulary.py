@@ -18,8 +18,8 @@ AT_FULL_RATE = "interference"
 # Causes at their places that rules of physics refer to: those of the skin, those of other places, and those of the load cell.
 PARAMETERS, DAMPING, STIFFER = ("parameters", "skin"), ("rate_dependence", "skin"), ("nonlinear_stiffness", "skin")
 HYSTERESIS, RELAXATION, ADHESION = ("hysteresis", "skin"), ("stress_relaxation", "skin"), ("adhesion", "skin")
-ZERO_OF_DEPTH, LATE_DEPTH, LEAKS = ("position_offset", "rig"), ("time_shift", "clock_depth"), ("crosstalk", "taxel")
-LATE_TAXELS, LAG_OF_TAXELS = ("time_shift", "clock_taxels"), ("lag", "taxel")
+ZERO_OF_DEPTH, LATE_DEPTH, PLAY = ("position_offset", "rig"), ("time_shift", "clock_depth"), ("backlash", "rig")
+LATE_TAXELS, LAG_OF_TAXELS, LEAKS = ("time_shift", "clock_taxels"), ("lag", "taxel"), ("crosstalk", "taxel")
 ZERO_OF_LOAD_CELL, GAIN_OF_LOAD_CELL = ("force_offset", "load_cell"), ("gain_error", "load_cell")
 CREEP_OF_LOAD_CELL, LAG_OF_LOAD_CELL, LOOP_OF_LOAD_CELL = ("drift", "load_cell"), ("lag", "load_cell"), ("hysteresis", "load_cell")
 CEILING_OF_LOAD_CELL, FRICTION_OF_LOAD_CELL = ("saturation", "load_cell"), ("friction", "load_cell")

@@ -41,6 +41,7 @@ from skin_models.words import counted
 
 FILE_NAME = "rig.yaml"
 PER_TAXEL = ("taxel_step_n", "taxel_noise_n")  # one number for all taxels, or one for each
+STEPS_AND_NOISE = ("force_step_n", "encoder_step_um", "encoder_noise_um", "force_noise_n", *PER_TAXEL)  # no reading has none of either
 POSITIONS = "taxel_positions_mm"
 LARGEST = {  # values above which the unit must be wrong
     "sample_rate_hz": 1e6,
@@ -169,16 +170,24 @@ def declared_from(text: str) -> Declared:
     except ModelError as error:
         raise RecordingError(str(error)) from error
     content = _mapping({} if content is None else content, "a rig description")
+    naught = [key for key in STEPS_AND_NOISE if _is_naught(content.get(key))]
+    content = {key: value for key, value in content.items() if key not in naught}
     known = [f.name for f in fields(Declared) if f.name != "warnings"]
     numbers = [key for key in known if key not in (*PER_TAXEL, POSITIONS, "contact_position_mm", "calibration")]
     return Declared(
         **{key: _positive(key, content[key]) for key in numbers if key in content},
         **{key: _per_taxel(key, content[key]) for key in PER_TAXEL if key in content},
-        warnings=tuple(_warnings(content, known)),
+        warnings=(*_warnings(content, known), *(f"{key} in {FILE_NAME} is 0, which no reading has: taken as unknown" for key in naught)),
         taxel_positions_mm=_positions(content.get(POSITIONS, [])),
         contact_position_mm=_contacts(content.get("contact_position_mm", {})),
         calibration={str(k): _calibration(str(k), v) for k, v in _mapping(content.get("calibration", {}), "calibration").items()},
     )
+
+
+def _is_naught(value: Any) -> bool:
+    """Whether a value is zero, or a list of zeros."""
+    values = value if isinstance(value, list) else [value]
+    return bool(values) and all(isinstance(v, (int, float)) and not isinstance(v, bool) and v == 0 for v in values)
 
 
 def _warnings(content: Mapping[str, Any], known: list[str]) -> Iterator[str]:

@@ -27,6 +27,9 @@ RIVALS = {
 }
 
 
+ONLY_ASKED = ("pressed",)  # forms that are not drawn: with them, earlier seeds would hide something else
+
+
 @dataclass(frozen=True)
 class Hide:
     """One thing to hide. `form` None: drawn. `size`: visible RMS over noise RMS in the channel that shows it best."""
@@ -51,7 +54,7 @@ def forms(cause, where=None) -> dict:
 def complete(hide, rng) -> Hide:
     """The same with place and form drawn where they were left open."""
     where = hide.where or str(rng.choice(PLACES[hide.cause]))
-    form = hide.form or str(rng.choice(list(forms(hide.cause, where))))
+    form = hide.form or str(rng.choice([f for f in forms(hide.cause, where) if f not in ONLY_ASKED]))
     return Hide(hide.cause, where, form, hide.size)
 
 

@@ -127,6 +127,11 @@ def _sliders(c):
     return Skin(lambda: memory.Plays(moduli, limits))
 
 
+def _pressed(c):
+    z0, power, d = c.rng.uniform(0.04, 0.15) * c.skin.depth_max, c.rng.uniform(0.8, 1.2), c.skin.depth_max
+    return Skin(lambda: memory.Pressed(memory.BoucWen(0.3 * c.load / z0, z0, 1.5, 0.7), d, power))
+
+
 FORMS = {
     "nonlinear_stiffness": {
         "fung": _shape(_fung), "ogden": _shape(_ogden), "foam": _shape(_foam), "bilinear": _shape(_bilinear),
@@ -136,5 +141,5 @@ FORMS = {
         "prony2": _relaxation(_prony(2)), "prony3": _relaxation(_prony(3)), "stretched": _relaxation(_stretched),
         "power_law": _relaxation(_power), "log_decay": _relaxation(_log_decay), "eyring_arm": _eyring_arm,
     },
-    "hysteresis": {"preisach": _relays, "bouc_wen": _bouc_wen, "dahl": _dahl, "sliders": _sliders},
+    "hysteresis": {"preisach": _relays, "bouc_wen": _bouc_wen, "dahl": _dahl, "sliders": _sliders, "pressed": _pressed},
 }  # fmt: skip

@@ -47,6 +47,16 @@ class BoucWen:
         return self.g * z
 
 
+class Pressed:
+    """A loop that grows with the pressure on what slides: that of `loop` at the depth d, and in proportion to (u / d)^power elsewhere."""
+
+    def __init__(self, loop, depth, power):
+        self.loop, self.depth, self.power = loop, depth, power
+
+    def step(self, u, du, dt):
+        return self.loop.step(u, du, dt) * (max(u, 0.0) / self.depth) ** self.power
+
+
 class Plays:
     """Prandtl-Ishlinskii: springs g_j in series with dry sliders that slip at r_j (m)."""
 

@@ -1,12 +1,13 @@
-"""Hysteresis: a loop that does not depend on rate, with memory of the turning points. Four forms:
+"""Hysteresis: a loop that does not depend on rate, with memory of the turning points. Five forms:
 
     skin, Prandtl-Ishlinskii   f = k E_r[x]        one elastic-plastic element: stiffness k until it yields at r (several add up)
+    skin, loaded               f = k (1 - g + g x / l) E_r[x],  l = 1 mm       the same, and what slides is pressed together by the load
     skin, Bouc-Wen             f = k z,  z' = v - |v| z / r        the same with a gradual yield (n = 1, beta = 1, gamma = 0: Dahl's model)
     skin, lagging              f = -k E_r[x]       a loop the other way round: the force is less on the way in than on the way out
     taxel, load cell           y' = y - a E_r[y]        the reading lags behind at every reversal: higher on the way down for a > 0
 
 E_r is the stop operator of `skin_models.operators.play`, exact for any path that is monotone between samples. Bouc-Wen is stepped exactly
-for such a path too: z[n] = e z[n-1] + sign(dx) r (1 - e), e = exp(-|dx| / r). These two dissipate: no closed path returns energy. The
+for such a path too: z[n] = e z[n-1] + sign(dx) r (1 - e), e = exp(-|dx| / r). These three dissipate: no closed path returns energy. The
 lagging one returns energy on every path, which no passive skin does; play operators and Preisach relays with positive weights are of this
 kind, and so are recordings in which the depth lags behind the encoder in a way that no clearance explains.
 
@@ -26,6 +27,7 @@ from skin_models.operators.scan import running_affine
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
+REFERENCE = 1e-3  # m, the depth l
 DEPTHS = (0.02e-3, 0.05e-3, 0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3, 1.5e-3)  # m
 
 
@@ -61,6 +63,30 @@ class SkinHysteresis(Dynamic):
 
     def _stretched(self, s: Motion) -> np.ndarray:
         return s.once("stop", self.threshold, lambda: stop(depth_in_contact(s.x), self.threshold))
+
+
+@dataclass(frozen=True)
+class LoadedHysteresis(SkinHysteresis):
+    """The same with loops that grow in height with depth: what slides is pressed together by the load."""
+
+    form: ClassVar[str] = "loaded"
+    source: ClassVar[str] = "Prandtl-Ishlinskii under a load; Iwan 1966"
+    proposed: ClassVar[bool] = False
+    refines: ClassVar[type] = SkinHysteresis
+
+    growth: float = quantity("1", 0.0, lower=0.0, upper=1.0, role=SHAPE, typical=0.5, doc="share g that grows in proportion to depth")
+
+    def step(self, state, y, s: Sample, dt: float):
+        """k (1 - g + g x / l) (x - P) on each branch."""
+        x = depth_in_contact(s.x)
+        state = play_step(state, x, self.threshold)
+        return state, y + branches(self.k_sensed, self.k_dispersed, self._pressed(x) * (x - state), s.x)
+
+    def _stretched(self, s: Motion) -> np.ndarray:
+        return self._pressed(depth_in_contact(s.x)) * super()._stretched(s)
+
+    def _pressed(self, x):
+        return 1.0 - self.growth + self.growth * x / REFERENCE
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ from skin_ident.criticism.search.named import Named, NotNamed
 from skin_ident.criticism.search.rivals import CHANCE_SCORE, Rival, own_rivals, reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.trial import Trial, sized
+from skin_ident.criticism.search.unread_play import is_unread_play
 from skin_ident.criticism.vocabulary import POSITION_OFFSET, ZERO_OF_DEPTH, Key
 from skin_models.effect import Effect
 from skin_models.model import Model
@@ -81,6 +82,8 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
         elif hardware:
             search.hardware |= hardware
             _note_the_like(search, trial, trials)
+            if trial is trials[0] and is_unread_play(search, trial):
+                return trial.fit, replace(_finding(search, trial, rivals, trials, runs, gain), unread=True)
             left_open = left_open or (trial if search.train[0].drive is None else None)
         elif trial.score > FAR_LESS * nearly and (left_open is None or _stands_beside(search, trial, left_open)):
             return trial.fit, _finding(search, trial, rivals, trials, runs, gain)

@@ -19,6 +19,7 @@ from skin_ident.criticism.search.proposals import Direction, directions
 from skin_ident.criticism.search.search import eliminate, run
 from skin_ident.criticism.search.state import MOST_FINDINGS, Progress, Search
 from skin_ident.criticism.search.survey import noise_beside
+from skin_ident.criticism.search.unread_play import leave_play_to_hardware
 from skin_ident.criticism.search.weighing import unweigh, weighs_as_skin
 from skin_ident.criticism.sessions.session import Session, longest, weighed_as
 from skin_ident.criticism.telemetry.pull import find_pull
@@ -79,6 +80,7 @@ def criticise(
     tell_of_held(search)
     if given:
         check_numbers(search, given)
+    leave_play_to_hardware(search)
     named = with_load_cell(search.named, search.present.model, search.runs, [*search.train, *search.held])
     told = (tuple(named), search.survey(), tuple(search.rounds))
     c = Criticism(search.baseline, search.present, *told, tuple(search.train), tuple(search.held), search.not_named, search.grown)

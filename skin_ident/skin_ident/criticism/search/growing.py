@@ -20,6 +20,7 @@ from skin_models.catalogue import effects
 from skin_models.dispersion import Dispersion
 from skin_models.effect import Effect
 from skin_models.effects.eyring_relaxation import EyringRelaxation
+from skin_models.effects.hysteresis import LoadedHysteresis
 from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, SHAPE, clipped, parameters_of
@@ -188,7 +189,8 @@ def felt(model: Model, key: Key, sessions: list[Session]) -> np.ndarray:
 
 def unlike_skin(model: Model) -> bool:
     """Whether the skin of a model acts as a filter or a brake. An arm of half the skin's stiffness or more that relaxes at once is the lag
-    of a sensor. An element that slips or flows at once, or that is stiffer than the whole skin until it slips, is friction or play."""
+    of a sensor. An element that slips or flows at once, or that is stiffer than the whole skin until it slips, and be it hardly loaded, is
+    friction or play."""
     whole, own = model.dispersion.k1 + model.dispersion.k2, [e for e in model.effects if e.where == "skin"]
 
     def unlike(e: Effect) -> bool:
@@ -196,7 +198,8 @@ def unlike_skin(model: Model) -> bool:
             return e.tau < AT_ONCE and 2.0 * (e.k_sensed + e.k_dispersed) > whole
         if isinstance(e, EyringRelaxation):
             return e.stretch < SLIPPING
-        return e.cause == "hysteresis" and (e.threshold < SLIPPING or e.k_sensed + e.k_dispersed > whole)
+        unloaded = 1.0 - e.growth if isinstance(e, LoadedHysteresis) else 1.0
+        return e.cause == "hysteresis" and (e.threshold < SLIPPING or unloaded * (e.k_sensed + e.k_dispersed) > whole)
 
     return any(map(unlike, own))
 

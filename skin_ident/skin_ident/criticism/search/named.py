@@ -20,7 +20,7 @@ class Named:
 
     `gain` is what it gains on held-out data. `explained` is what it explained of the sessions that it was fitted to when it was named, in
     squared whitened units: its score, or the sum of scores if more of it was named later. For the cause `parameters` it is the gain,
-    without a charge.
+    without a charge. `unread`: it is searched beside, and is no finding (see `unread_play`).
     """
 
     cause: str
@@ -33,6 +33,7 @@ class Named:
     courses: dict[str, Said] = field(default_factory=dict)  # for what each session has of its own: that in words, by session
     only: tuple[str, ...] = ()  # names of the sessions that have it, where others do not
     free: tuple[str, ...] = ()  # names of the sessions that do not have it
+    unread: bool = False
 
     @property
     def key(self) -> Key:
