@@ -19,7 +19,7 @@ from skin_models.effects.dead_zone import GatedTaxel, GradualTaxel, HardDeadZone
 from skin_models.effects.drift import Creep, LogDrift, LogGainDrift
 from skin_models.effects.friction import Friction, StribeckFriction
 from skin_models.effects.gain_error import GainStep
-from skin_models.effects.hysteresis import BoucWenHysteresis, LaggingHysteresis, SkinHysteresis
+from skin_models.effects.hysteresis import BoucWenHysteresis, LaggingHysteresis, LoadedHysteresis, SkinHysteresis
 from skin_models.effects.lag import Lag, OneSidedLag, SecondOrderLag
 from skin_models.effects.mount_compliance import JointedMount, MountCompliance, PowerMount
 from skin_models.effects.preisach import PreisachHysteresis
@@ -82,11 +82,10 @@ def test_preisach_loops_grow_with_depth_and_one_place_holds_one_loop():
         f = skin_force(e, x)
         loops.append(f[-801:] - f[-801])
     assert loops[0] == pytest.approx(loops[1], abs=1e-12)
-    areas = []
-    for middle in (0.7, 1.4):
-        x = triangle([(middle + d) * MM for d in (-0.3, 0.3, -0.3, 0.3, -0.3)])
-        areas.append(trapezoid(skin_force(e, x)[800:], x[800:]))
-    assert areas[1] / areas[0] == pytest.approx(2.0, rel=1e-2) and areas[0] > 0.0
+    for grows in (e, LoadedHysteresis(where="skin", k_sensed=3000.0, threshold=0.1 * MM, growth=1.0)):
+        turns = ([(middle + d) * MM for d in (-0.3, 0.3, -0.3, 0.3, -0.3)] for middle in (0.7, 1.4))
+        areas = [trapezoid(skin_force(grows, x)[800:], x[800:]) for x in map(triangle, turns)]
+        assert areas[1] / areas[0] == pytest.approx(2.0, rel=1e-2) and areas[0] > 0.0
 
 
 def test_plays_with_dead_zones_come_as_close_to_preisach_as_one_likes():
@@ -100,7 +99,9 @@ def test_plays_with_dead_zones_come_as_close_to_preisach_as_one_likes():
     assert gaps[1] < 0.3 * gaps[0]
 
 
-@pytest.mark.parametrize("cls", [SkinHysteresis, BoucWenHysteresis, PreisachHysteresis, CyclicSoftening, Adhesion, Backlash])
+@pytest.mark.parametrize(
+    "cls", [SkinHysteresis, LoadedHysteresis, BoucWenHysteresis, PreisachHysteresis, CyclicSoftening, Adhesion, Backlash]
+)
 def test_rate_independent_effects_do_not_see_the_speed(cls):
     e = cls.typical(next(iter(cls.places)))
     x = triangle([0.0, 1.4 * MM, 0.3 * MM, 1.2 * MM, -0.5 * MM])
