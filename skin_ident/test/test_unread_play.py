@@ -16,7 +16,8 @@ def test_what_is_beside_it_is_named_alone(tmp_path, other, size, seed, taxels):
     found = seek(tmp_path, [play, other], taxels=taxels, seed=seed, encoder_step_um=10.0)
     assert found.names == [(found.truth.hidden[1].cause, "taxel")]
     told = [u for u in found.findings["untestable"] if (u["cause"], u.get("where")) == ("backlash", "rig")]
-    assert "but the encoder reads no finer than" in told[0]["because"]
+    assert "but the encoder reads no finer than" in told[0]["because"] and "the extended model holds it" in told[0]["because"]
+    assert any(name.startswith("backlash.rig.") for name in found.findings["extended"]["parameters"])
 
 
 @pytest.mark.slow

@@ -29,6 +29,8 @@ def leave_play_to_hardware(search: Search) -> None:
         search.named = [replace(n, unread=False) if n is finding else n for n in search.named]
         return
     search.named = [n for n in search.named if n is not finding]
-    search.tared |= {PLAY: why} | {a.key: no_other_does(PLAY, why) for a in finding.alternatives}
-    if not search.named:
+    if search.named:
+        why = replace(why, because=f"{why.because}; the extended model holds it, beside what was found")
+    else:
         search.present = fit(search.present.model.lacking(PLAY), search.train, search.noise)
+    search.tared |= {PLAY: why} | {a.key: no_other_does(PLAY, why) for a in finding.alternatives}
