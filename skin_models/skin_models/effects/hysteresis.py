@@ -12,7 +12,8 @@ lagging one returns energy on every path, which no passive skin does; play opera
 kind, and so are recordings in which the depth lags behind the encoder in a way that no clearance explains.
 
 Sources: P. Krejčí, Hysteresis, Convexity and Dissipation, 1996; F. Ikhouane and J. Rodellar, Systems with Hysteresis, Wiley 2007
-(Bouc-Wen); P. Dahl, A Solid Friction Model, TOR-0158, 1968; K. Kuhnen, Eur. J. Control 9 (2003) 407-418 (sensors and actuators).
+(Bouc-Wen); P. Dahl, A Solid Friction Model, TOR-0158, 1968; W. D. Iwan, J. Appl. Mech. 33 (1966) 893-900;
+K. Kuhnen, Eur. J. Control 9 (2003) 407-418 (sensors and actuators).
 """
 
 from dataclasses import dataclass
@@ -39,7 +40,6 @@ class SkinHysteresis(Dynamic):
     places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "Prandtl-Ishlinskii; Krejčí 1996"
     linear: ClassVar[bool] = True
-    turn: ClassVar[float] = 1.0
 
     k_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=4000.0, doc="stiffness before it yields, sensed")
     k_dispersed: float = quantity("N/m", 0.0, lower=0.0, typical=2000.0, doc="stiffness before it yields, dispersed")
@@ -52,17 +52,19 @@ class SkinHysteresis(Dynamic):
         return None
 
     def step(self, state, y, s: Sample, dt: float):
-        """k (x - P) on each branch."""
+        """k (x - P) on each branch, by the weight of the form."""
         x = depth_in_contact(s.x)
         state = play_step(state, x, self.threshold)
-        return state, y + branches(self.k_sensed, self.k_dispersed, self.turn * (x - state), s.x)
+        return state, y + branches(self.k_sensed, self.k_dispersed, self._weight(x) * (x - state), s.x)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
-        """k times the stop operator over the whole recording."""
-        return y + branches(self.k_sensed, self.k_dispersed, self.turn * self._stretched(s), s.x)
+        """k times the stop operator over the whole recording, by the weight of the form."""
+        stretched = s.once("stop", self.threshold, lambda: stop(depth_in_contact(s.x), self.threshold))
+        return y + branches(self.k_sensed, self.k_dispersed, self._weight(s.x) * stretched, s.x)
 
-    def _stretched(self, s: Motion) -> np.ndarray:
-        return s.once("stop", self.threshold, lambda: stop(depth_in_contact(s.x), self.threshold))
+    def _weight(self, x):
+        """What the force of the element is multiplied by at a depth x, m; in the air there is none."""
+        return 1.0
 
 
 @dataclass(frozen=True)
@@ -70,22 +72,13 @@ class LoadedHysteresis(SkinHysteresis):
     """The same with loops that grow in height with depth: what slides is pressed together by the load."""
 
     form: ClassVar[str] = "loaded"
-    source: ClassVar[str] = "Prandtl-Ishlinskii under a load; Iwan 1966"
+    source: ClassVar[str] = "Prandtl-Ishlinskii under a load; elements as in Iwan 1966"
     proposed: ClassVar[bool] = False
     refines: ClassVar[type] = SkinHysteresis
 
     growth: float = quantity("1", 0.0, lower=0.0, upper=1.0, role=SHAPE, typical=0.5, doc="share g that grows in proportion to depth")
 
-    def step(self, state, y, s: Sample, dt: float):
-        """k (1 - g + g x / l) (x - P) on each branch."""
-        x = depth_in_contact(s.x)
-        state = play_step(state, x, self.threshold)
-        return state, y + branches(self.k_sensed, self.k_dispersed, self._pressed(x) * (x - state), s.x)
-
-    def _stretched(self, s: Motion) -> np.ndarray:
-        return self._pressed(depth_in_contact(s.x)) * super()._stretched(s)
-
-    def _pressed(self, x):
+    def _weight(self, x):
         return 1.0 - self.growth + self.growth * x / REFERENCE
 
 
@@ -95,7 +88,9 @@ class LaggingHysteresis(SkinHysteresis):
 
     form: ClassVar[str] = "lagging"
     source: ClassVar[str] = "Prandtl-Ishlinskii, of plays; Krejčí 1996"
-    turn: ClassVar[float] = -1.0
+
+    def _weight(self, x):
+        return -1.0
 
 
 @dataclass(frozen=True)

@@ -24,13 +24,13 @@ from typing import ClassVar
 import numpy as np
 
 from skin_models.effect import Dynamic, Place
+from skin_models.effects.hysteresis import REFERENCE
 from skin_models.operators.contact import branches, depth_in_contact
 from skin_models.operators.play import play, play_step
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
 PLAYS = 5
-REFERENCE = 1e-3  # m, the depth l
 
 
 @dataclass(frozen=True)
