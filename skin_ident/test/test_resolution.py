@@ -16,7 +16,8 @@ from skin_ident.criticism.gates.claim import Claim
 from skin_ident.criticism.gates.gate import Gain, held_out_gain
 from skin_ident.criticism.gates.resolution import held_depths, of_the_converter, of_the_drive, resolved, unread_depth, unread_force
 from skin_ident.criticism.noise.whitening import fit_whitener
-from skin_ident.criticism.search.hardware import encoder_does, hardware_is_off
+from skin_ident.criticism.search.hardware import encoder_does, hardware_is_off, too_short
+from skin_ident.criticism.search.named import NotNamed
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.sessions.cutoff import dilution
 from skin_ident.criticism.sessions.session import Session, prepare
@@ -24,7 +25,7 @@ from skin_ident.criticism.sessions.thinner import thinner
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
 from skin_models.effects.backlash import Backlash
-from skin_models.effects.hysteresis import SensorHysteresis
+from skin_models.effects.hysteresis import BoucWenHysteresis, SensorHysteresis, SkinHysteresis
 from skin_models.effects.position_offset import PositionOffset
 from skin_models.effects.rate_dependence import PowerDamping
 from skin_models.effects.time_shift import TimeShift
@@ -47,6 +48,24 @@ def test_what_good_hardware_does_is_said_and_not_named():
     length = float(re.search(r"it would be ([\d.]+) µm", said.because)[1])
     assert length == pytest.approx(0.5, rel=0.05) and "reads no finer than 1 µm" in said.because
     assert encoder_does(claim, noise, encoder_step=1e-7) is None
+
+
+def test_a_loop_within_a_step_of_the_encoder_is_what_encoders_do():
+    """A loop of the skin that an encoder makes which lags by 0.5 µm; one that yields over a longer path is none of an encoder."""
+    step, k = 5e-6, PLAIN.dispersion.k1 + PLAIN.dispersion.k2
+
+    def said(threshold: float) -> NotNamed | None:
+        loop = BoucWenHysteresis("skin", k_sensed=0.5e-6 * k / threshold, k_dispersed=0.0, threshold=threshold)
+        return too_short(("hysteresis", "skin"), replace(PLAIN, effects=(loop,)), step)
+
+    assert "half as wide as 0.5 µm, but the encoder reads no finer than 5 µm" in said(0.8 * step).because
+    assert said(1.2 * step) is None and said(20.0 * step) is None
+
+
+def test_a_loop_that_yields_early_is_named_where_it_is_wide():
+    """Friction within the skin, of 8 µm of its stiffness."""
+    loop = SkinHysteresis("skin", k_sensed=2.0 * PLAIN.dispersion.k1, k_dispersed=2.0 * PLAIN.dispersion.k2, threshold=4e-6)
+    assert too_short(("hysteresis", "skin"), replace(PLAIN, effects=(loop,)), 5e-6) is None
 
 
 def test_what_bends_with_the_reading_may_be_the_converter():

@@ -3,7 +3,7 @@
 What they "leave open" of a channel is the mean square error, N^2, that steps and noise may cause there.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -20,9 +20,10 @@ from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.sessions.cutoff import dilution
 from skin_ident.criticism.sessions.read_again import UNZEROED
 from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.vocabulary import Key
 from skin_ident.estimators.scale import normal_scale
 from skin_models.effect import Effect, Place
-from skin_models.effects.hysteresis import SensorHysteresis
+from skin_models.effects.hysteresis import BoucWenHysteresis, SensorHysteresis, SkinHysteresis
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
 
@@ -299,12 +300,23 @@ def _speed(s: Session) -> np.ndarray:
     return np.interp(s.t, s.motion.t, s.motion.v)
 
 
-def unreadable(effects: Iterable[Effect], encoder_step: float) -> float:
-    """The largest length, m, by which effects put the tip off, where the encoder could not tell it; else 0. It cannot tell one of a step or
-    less: at a few depths, reached from both sides, its rounding alone looks like as much."""
+def unreadable(key: Key, model: Model, encoder_step: float) -> float:
+    """The largest length, m, by which a cause puts the tip off, or a loop is wide, where the encoder could not tell it; else 0. It
+    cannot tell one of a step or less: at a few depths, reached from both sides, its rounding alone looks like as much."""
+    effects = model.having(key)
     off = [e for e in effects if e.place is Place.DEPTH]
     lengths = [abs(p.value) for e in off for p in parameters_of(e) if p.role == AMPLITUDE and p.unit == "m"]
-    return max(lengths) if lengths and max(lengths) <= encoder_step else 0.0
+    largest = max(lengths, default=_width_of_loop(effects, stiffness(model, "force"), encoder_step))
+    return largest if largest <= encoder_step else 0.0
+
+
+def _width_of_loop(effects: list[Effect], k: float, encoder_step: float) -> float:
+    """Half the width of the skin's loops, m, where they yield within a step of the encoder; else 0. Loops as narrow as that are what an
+    encoder makes that lags by part of a step, to keep its reading from flickering between two levels."""
+    loops = [e for e in effects if isinstance(e, SkinHysteresis | BoucWenHysteresis)]
+    if not loops or max(e.threshold for e in loops) > encoder_step:
+        return 0.0
+    return sum((e.k_sensed + e.k_dispersed) * e.threshold for e in loops) / k
 
 
 def converter_step(train: list[Session], channel: str) -> float:

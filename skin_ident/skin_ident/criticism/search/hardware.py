@@ -16,7 +16,7 @@ from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.gates.resolution import converter_step, of_the_converter, of_the_drive, resolved, unreadable
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.named import NotNamed
-from skin_ident.criticism.vocabulary import DEAD_ZONE, Key
+from skin_ident.criticism.vocabulary import DEAD_ZONE, HYSTERESIS, Key
 from skin_models.catalogue import effects as all_effects
 from skin_models.effect import Effect
 from skin_models.model import Model
@@ -90,9 +90,10 @@ def _drive_crosses(claim: Claim) -> NotNamed | None:
 
 
 def too_short(key: Key, after: Model, encoder_step: float) -> NotNamed | None:
-    """Why a cause that is a length is no finding, where the encoder does not read so finely; else None."""
-    length = unreadable(after.having(key), encoder_step)
-    why = f"it would be {_micrometres(length)}, but the encoder reads no finer than {_micrometres(encoder_step)}"
+    """Why a cause that is a length, or a loop as narrow as one, is no finding where the encoder does not read so finely; else None."""
+    length = unreadable(key, after, encoder_step)
+    what = f"{'a loop that is half as wide as ' if key == HYSTERESIS else ''}{_micrometres(length)}"
+    why = f"it would be {what}, but the encoder reads no finer than {_micrometres(encoder_step)}"
     return _usual(why, FINER) if length else None
 
 
