@@ -9,6 +9,7 @@ however busy the machine is; a streaming reader gets everything before. metadata
 import errno
 import math
 import os
+import shutil
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -169,6 +170,10 @@ class BagWriter:
             self._guarded(self._write_metadata)
         finally:
             self._stream.close()
+
+    def remove(self) -> None:
+        """Leave nothing of a closed recording, so that the next one may have its name."""
+        self._guarded(shutil.rmtree, self.directory)
 
     def _guarded(self, action, *args, **kwargs):
         try:

@@ -57,6 +57,14 @@ def test_an_existing_directory_is_refused_and_left_alone(tmp_path):
     assert not list((tmp_path / "b").iterdir())
 
 
+def test_nothing_is_left_of_a_removed_recording(tmp_path):
+    bag = BagWriter(tmp_path / "b")
+    bag.attach("rig.yaml", "application/yaml", b"x: 1\n", 5)
+    bag.close()
+    bag.remove()
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_vanished_file_is_noticed(tmp_path):
     bag = BagWriter(tmp_path / "b")
     fill(bag, 1)

@@ -6,8 +6,8 @@
 Subscriptions take messages as they were sent, without decoding, and callbacks write them: a second thread would hold the interpreter for
 whole chunks while messages wait to be taken. Topics that appear later are recorded from then on. The recording ends with SIGINT, SIGTERM or
 the service `~/stop`. It says when messages of all topics that were asked for can come, and at the end which brought nothing; where none are
-asked for, these are the encoder, force and taxels of a rig. Exit status 2 says that nothing at all came, or that nothing could be written
-any more.
+asked for, these are the encoder, force and taxels of a rig. Exit status 2 says that nothing at all came, in which case no recording is left,
+or that nothing could be written any more.
 """
 
 import datetime
@@ -76,13 +76,13 @@ class Recorder(Node):
         self.get_logger().info(f"recording to {self._bag.directory}")
 
     def destroy_node(self) -> None:
-        """End the recording, whole. Raises `SkinError` where it is empty."""
+        """End the recording, whole. Raises `SkinError` where it is empty, and leaves nothing of it."""
         try:
             self._bag.close()
-            messages, topics = counted(sum(self._bag.counts), "message"), counted(len(self._bag.counts), "topic")
-            self.get_logger().info(f"{messages} of {topics} in {self._bag.directory}")
             if not self._failed:
                 self._complain_of_silence()
+            messages, topics = counted(sum(self._bag.counts), "message"), counted(len(self._bag.counts), "topic")
+            self.get_logger().info(f"{messages} of {topics} in {self._bag.directory}")
         finally:
             super().destroy_node()
 
@@ -105,7 +105,8 @@ class Recorder(Node):
         if absent:
             self.get_logger().warning(f"nothing was recorded of {absent}: {_IS_ONE_THERE}")
         if not heard:
-            raise SkinError(f"not one message came, {self._bag.directory} is empty: {_IS_ONE_THERE}")
+            self._bag.remove()
+            raise SkinError(f"not one message came, so no recording is kept: {_IS_ONE_THERE}")
 
     def _absent(self, there: Iterable[str]) -> str:
         """What of a rig is not among the topics `there`, in words; empty where topics were asked for by name."""
