@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from making import SILICONE, recording
+from scipy.signal import lfilter
 
 from skin_ident.estimators.dispersion import FREE, fit_dispersion
 from skin_ident.estimators.errors import FitError
@@ -111,6 +112,14 @@ def test_a_fast_session_beside_one_at_rest_keeps_its_band():
     shaken = np.cumsum(rng.normal(size=4000))  # to all frequencies, the slow ones most
     alone, beside = ([p.edge for p in prefilters_for(signals)] for signals in ([(shaken, 0.01)], [(np.ones(4000), 0.01), (shaken, 0.01)]))
     assert beside == 2 * alone == 2 * [20.0]
+
+
+def test_encoder_noise_that_wanders_is_no_motion_beside_a_session_that_moves():
+    rng = np.random.default_rng(3)
+    t = 0.01 * np.arange(4000)
+    moved, resting = 3e-4 * np.sin(2.0 * np.pi * 0.5 * t), 1.5e-6 * lfilter([np.sqrt(0.19)], [1.0, -0.9], rng.normal(size=t.size))
+    alone, beside = ([p.edge for p in prefilters_for(signals)] for signals in ([(moved, 0.01)], [(resting, 0.01), (moved, 0.01)]))
+    assert beside == 2 * alone
 
 
 @pytest.mark.parametrize(

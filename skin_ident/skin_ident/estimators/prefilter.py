@@ -13,6 +13,7 @@ from scipy.signal import firwin, oaconvolve, welch
 HEADROOM = 3.0  # ratio of the cut-off to the highest frequency of the motion
 FLOOR = 6.0  # times the encoder's noise floor: a weaker spectral line counts as noise
 WIDER = 2.5  # cut-off for the depth, from which speed and contact are computed, relative to `edge`
+STILL = 0.02  # of the RMS motion of the session that moves farthest: one that moves less is held, and its encoder trembles
 FEWEST_ROWS = 20  # rows that must be left of a stretch
 AROUND = 8.0  # cut-off of the wide band, in which the noise is estimated, relative to `edge`
 
@@ -86,7 +87,8 @@ def prefilters_for(signals: Sequence[tuple[np.ndarray, float]]) -> list[Prefilte
     """One low-pass for each signal (x (N,), dt s). All have one cut-off: `HEADROOM` times the fastest motion in any of them, at most 0.2 of
     the lowest sampling rate."""
     slowest = max(1.5 / (0.1 * x.size * dt) for x, dt in signals)  # the kernel may take a tenth of a session at each end
-    moving = [(x, dt) for x, dt in signals if np.ptp(x) > 0.0]  # a depth that is held has no band
+    far = STILL * max(np.std(x) for x, _ in signals)
+    moving = [(x, dt) for x, dt in signals if np.std(x) > far]  # a depth that is held has no band
     fastest = max((_highest_frequency(x, dt) for x, dt in moving), default=np.inf)
     edge = min(max(HEADROOM * fastest, slowest), *(0.2 / dt for _, dt in signals))
     periods = {f"{dt:.3g}": dt for _, dt in reversed(signals)}  # rates that differ by rounding are one
