@@ -6,7 +6,7 @@
 Subscriptions take messages as they were sent, without decoding, and callbacks write them: a second thread would hold the interpreter for
 whole chunks while messages wait to be taken. Topics that appear later are recorded from then on. The recording ends with SIGINT, SIGTERM or
 the service `~/stop`. It says when messages of all topics that were asked for can come, and at the end which brought nothing; where none are
-asked for, these are the encoder, force and taxels of a rig. Exit status 2 says that nothing at all came, in which case no recording is left,
+asked for, these are the encoder, force and taxels of a rig. Exit status 2 says that nothing at all came, and no recording is left,
 or that nothing could be written any more.
 """
 
