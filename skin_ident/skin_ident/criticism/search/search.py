@@ -29,7 +29,7 @@ from skin_ident.criticism.search.together import take_pair, two_at_once
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.search.unstuck import unstuck
 from skin_ident.criticism.search.wandering import take_wave
-from skin_ident.criticism.search.weighing import hang, hung_mass, may_wait, other_mass, weigh, weighs
+from skin_ident.criticism.search.weighing import hang, hung_mass, may_wait, other_mass, unveils, weigh, weighs
 
 GOOD_PART = 0.25  # share of what refused causes explain, from which skin parameters go before two causes that hide each other
 PASSES = 40  # rounds at most; some name nothing and only mend the baseline, and searches settle long before
@@ -75,7 +75,7 @@ def _round(search: Search) -> bool:
         hang(search, hung)
         return True
     mass = other_mass(search)
-    if mass and weighs(search, mass, best):
+    if mass and (weighs(search, mass, best) or unveils(search, mass, trials, best)):
         weigh(search, mass)
         return True
     of_skin = explained_by_own_skin(search, best)

@@ -23,8 +23,9 @@ import numpy as np
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.gates.gate import MATERIAL_FALL, breadth_of
 from skin_ident.criticism.noise.whitening import Whitener
-from skin_ident.criticism.search.rivals import reach
+from skin_ident.criticism.search.rivals import CHANCE_SCORE, reach
 from skin_ident.criticism.search.state import Search
+from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session, having_all, hung, weighed
 from skin_models.effects.inertia import Inertia
 from skin_models.model import Model
@@ -141,6 +142,21 @@ def settles(search: Search, free: Fit, best: float) -> bool:
     ahead = search.ahead(free)
     ahead.train = weighed(search.train, heaviest_of(search.present.model, free.model))
     return ahead.look().ranked[0].score < search.least(free.count)
+
+
+def unveils(search: Search, free: Fit, trials: list[Trial], best: float) -> bool:
+    """Whether beside the `free` mass, which may be the skin's, another cause explains clearly more than the `best` of all does beside the
+    mass that was assumed, of which the first of `trials` is the best: it has to account for a few millinewtons of weight as well, which
+    whatever bends does."""
+    if not (trials and may_be_skin(search, free)):
+        return False
+    ahead = search.ahead(free)
+    ahead.train = weighed(search.train, heaviest_of(search.present.model, free.model))
+    survey, first = ahead.survey(), trials[0].key
+    if survey.ranked[0].key == first:
+        return False
+    beside = max((t.score for t in ahead.trials(survey) if t.key != first), default=0.0)
+    return free.score_over(search.present) + beside > best + max(CHANCE_SCORE, search.least(free.count))
 
 
 def weigh(search: Search, free: Fit) -> None:
