@@ -163,6 +163,7 @@ def _loop(kind):
             "preisach": lambda: memory.Relays(0.2, high, low, 0.007),
             "bouc_wen": lambda: memory.BoucWen(0.1 / z0, z0, 1.5, 0.65),
             "sliders": lambda: memory.Plays(0.1 / limits / 6, limits),
+            "pressed": lambda: memory.Pressed(memory.BoucWen(0.1 / z0, z0, 1.5, 0.65), 1.0, float(c.rng.uniform(0.5, 1.0))),
         }[kind]
         return Sensor(c, _Loop(c, make))
 
@@ -240,7 +241,7 @@ FORMS = {
     "saturation": {"hard": _clip_hard, "soft": _clip_soft, "leaky": _clip_leaky},
     "quantization": {"round": Steps, "cut": lambda c: Steps(c, cut=True)},
     "lag": {"one_pole": _lag_one, "two_pole": _lag_two, "partial": _lag_partial, "one_sided": _lag_one_sided},
-    "hysteresis": {"preisach": _loop("preisach"), "bouc_wen": _loop("bouc_wen"), "sliders": _loop("sliders")},
+    "hysteresis": {"preisach": _loop("preisach"), "bouc_wen": _loop("bouc_wen"), "sliders": _loop("sliders"), "pressed": _loop("pressed")},
     "time_shift": {"delay": Late, "skew": lambda c: Late(c, "skew"), "buffer": lambda c: Late(c, "buffer")},
     "crosstalk": {"neighbour": Crosstalk, "common": lambda c: Crosstalk(c, "common"), "smeared": lambda c: Crosstalk(c, "smeared")},
     "interference": {"mains": _hum("mains"), "harmonics": _hum("harmonics"), "bursts": _hum("bursts"), "machine": _hum("machine")},

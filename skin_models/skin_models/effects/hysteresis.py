@@ -1,10 +1,11 @@
-"""Hysteresis: a loop that does not depend on rate, with memory of the turning points. Five forms:
+"""Hysteresis: a loop that does not depend on rate, with memory of the turning points. Six forms:
 
     skin, Prandtl-Ishlinskii   f = k E_r[x]        one elastic-plastic element: stiffness k until it yields at r (several add up)
     skin, loaded               f = k (1 - g + g x / l) E_r[x],  l = 1 mm       the same, and what slides is pressed together by the load
     skin, Bouc-Wen             f = k z,  z' = v - |v| z / r        the same with a gradual yield (n = 1, beta = 1, gamma = 0: Dahl's model)
     skin, lagging              f = -k E_r[x]       a loop the other way round: the force is less on the way in than on the way out
     taxel, load cell           y' = y - a E_r[y]        the reading lags behind at every reversal: higher on the way down for a > 0
+    taxel, load cell, loaded   y' = y - a (1 - g + g |y| / F) E_r[y],  F = 1 N         the same with loops that grow with the load
 
 E_r is the stop operator of `skin_models.operators.play`, exact for any path that is monotone between samples. Bouc-Wen is stepped exactly
 for such a path too: z[n] = e z[n-1] + sign(dx) r (1 - e), e = exp(-|dx| / r). These three dissipate: no closed path returns energy. The
@@ -29,6 +30,7 @@ from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
 REFERENCE = 1e-3  # m, the depth l
+REFERENCE_FORCE = 1.0  # N, the force F
 DEPTHS = (0.02e-3, 0.05e-3, 0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3, 1.5e-3)  # m
 
 
@@ -160,12 +162,31 @@ class SensorHysteresis(Dynamic):
         return None
 
     def step(self, state, y, s: Sample, dt: float):
-        """y - a (y - P)."""
+        """y - a (y - P), the second term by the weight of the form."""
         mine = self.mine(y)
         state = play_step(state, mine, self.threshold)
-        return state, self.put_back(y, mine - self.relative * (mine - state))
+        return state, self.put_back(y, mine - self.relative * self._weight(mine) * (mine - state))
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
-        """y - a times the stop operator over the whole recording."""
+        """y - a times the stop operator over the whole recording, by the weight of the form."""
         mine = self.mine(y)
-        return self.put_back(y, mine - self.relative * stop(mine, self.threshold))
+        return self.put_back(y, mine - self.relative * self._weight(mine) * stop(mine, self.threshold))
+
+    def _weight(self, y):
+        """What the lag of the reading is multiplied by at a force y, N."""
+        return 1.0
+
+
+@dataclass(frozen=True)
+class LoadedSensorHysteresis(SensorHysteresis):
+    """The same with loops that grow in height with the load."""
+
+    form: ClassVar[str] = "loaded"
+    source: ClassVar[str] = "Prandtl-Ishlinskii under a load; Kuhnen 2003"
+    proposed: ClassVar[bool] = False
+    refines: ClassVar[type] = SensorHysteresis
+
+    growth: float = quantity("1", 0.0, lower=0.0, upper=1.0, role=SHAPE, typical=0.5, doc="share g that grows in proportion to the load")
+
+    def _weight(self, y):
+        return 1.0 - self.growth + self.growth * np.abs(y) / REFERENCE_FORCE
