@@ -11,7 +11,7 @@ from scipy.special import gamma
 from skin_models.catalogue import effects
 from skin_models.effect import Place
 from skin_models.effects.adhesion import Adhesion
-from skin_models.effects.backlash import Backlash, WindUp, ZeroedBacklash
+from skin_models.effects.backlash import Backlash, SlackEncoder, WindUp, ZeroedBacklash
 from skin_models.effects.crosstalk import Crosstalk
 from skin_models.effects.cyclic_softening import CyclicSoftening, SofterSprings
 from skin_models.effects.damage import DamagedSprings
@@ -19,7 +19,14 @@ from skin_models.effects.dead_zone import GatedTaxel, GradualTaxel, HardDeadZone
 from skin_models.effects.drift import Creep, LogDrift, LogGainDrift
 from skin_models.effects.friction import Friction, StribeckFriction
 from skin_models.effects.gain_error import GainStep
-from skin_models.effects.hysteresis import BoucWenHysteresis, LaggingHysteresis, LoadedHysteresis, SkinHysteresis
+from skin_models.effects.hysteresis import (
+    BoucWenHysteresis,
+    LaggingHysteresis,
+    LoadedHysteresis,
+    LoadedSensorHysteresis,
+    SensorHysteresis,
+    SkinHysteresis,
+)
 from skin_models.effects.lag import Lag, OneSidedLag, SecondOrderLag
 from skin_models.effects.mount_compliance import JointedMount, MountCompliance, PowerMount
 from skin_models.effects.preisach import PreisachHysteresis
@@ -88,6 +95,17 @@ def test_preisach_loops_grow_with_depth_and_one_place_holds_one_loop():
         assert areas[1] / areas[0] == pytest.approx(2.0, rel=1e-2) and areas[0] > 0.0
 
 
+def test_loops_of_a_sensor_under_a_load_are_as_high_as_the_load():
+    loops = LoadedSensorHysteresis(where="taxel", relative=0.3, threshold=0.1, growth=1.0)
+    plain = SensorHysteresis(where="taxel", relative=0.3, threshold=0.1)
+    areas = []
+    for middle in (2.0, 4.0):
+        y = triangle([middle + d for d in (-1.0, 1.0, -1.0, 1.0, -1.0)])[None]
+        areas.append([trapezoid(e.batch(y, at_times(y[0]))[0, 800:], y[0, 800:]) for e in (loops, plain)])
+    (lower, flat), (higher, same) = areas
+    assert same == pytest.approx(flat) and higher / lower == pytest.approx(2.0, rel=0.02) and lower / flat == pytest.approx(2.0, rel=0.02)
+
+
 def test_plays_with_dead_zones_come_as_close_to_preisach_as_one_likes():
     """What is squared here as a sum of n dead zones (Kuhnen): the gap falls as 1 / n."""
     x, r = triangle([0.0, 1.7 * MM, 0.2 * MM, 1.2 * MM]), 0.2 * MM
@@ -100,7 +118,8 @@ def test_plays_with_dead_zones_come_as_close_to_preisach_as_one_likes():
 
 
 @pytest.mark.parametrize(
-    "cls", [SkinHysteresis, LoadedHysteresis, BoucWenHysteresis, PreisachHysteresis, CyclicSoftening, Adhesion, Backlash]
+    "cls",
+    [SkinHysteresis, LoadedHysteresis, BoucWenHysteresis, PreisachHysteresis, CyclicSoftening, Adhesion, Backlash, SlackEncoder],
 )
 def test_rate_independent_effects_do_not_see_the_speed(cls):
     e = cls.typical(next(iter(cls.places)))
@@ -162,6 +181,18 @@ def test_a_drive_that_winds_up_loses_the_same_depth_over_a_way():
     assert tip[400] == pytest.approx(2 * MM - gap / 2) and tip[-1] == pytest.approx(MM + gap / 2)
     back = x[400] - x[400:]
     assert x[400:] - tip[400:] == pytest.approx(gap * np.exp(-back / way) - gap / 2)
+
+
+def test_what_a_slack_encoder_loses_is_given_back_but_for_the_crossing():
+    gap = 0.2 * MM
+    tip = triangle([0.0, 2 * MM, MM])
+    reading = play(tip, gap / 2)
+    found = SlackEncoder(where="rig", gap=gap, distance=1e-7).batch(reading, at_times(tip))
+    read = np.flatnonzero(np.diff(reading, prepend=reading[0]))
+    assert found[read] == pytest.approx(tip[read], abs=1e-7) and read.size > 600
+    assert found[401:480] == pytest.approx(2 * MM), "it crosses when the reading moves"
+    ahead = SlackEncoder(where="rig", gap=gap, distance=1e-7, lead=0.08).batch(reading, at_times(tip))
+    assert ahead[402:480] == pytest.approx(2 * MM - gap), "or so long before"
 
 
 def test_dead_zones_above_and_below_their_threshold():

@@ -45,6 +45,17 @@ def _dahl(x, limit, stiffness_length):
     return np.array(out)
 
 
+class SlackEncoder(Effect):
+    """An encoder that lags behind the tip: it is driven over a gap, or dragged over a rubbing joint (`soft`, a fraction of the gap)."""
+
+    def __init__(self, c, soft=0.0):
+        self.gap, self.soft = 0.01 * c.skin.depth_max, soft
+
+    def encoder(self, x, t, a, rng):
+        gap = a * self.gap
+        return x - _dahl(x, gap / 2, self.soft * gap) if self.soft else _play(x, gap / 2)
+
+
 class Mount(Effect):
     """A spring between encoder and tip; a = 1 is ten times the skin's stiffness. `harden` (1/m) makes it stiffer as it stretches."""
 
@@ -143,6 +154,7 @@ FORMS = {
     "backlash": {
         "play": Play, "rounded": lambda c: Play(c, soft=c.rng.uniform(0.15, 0.4)), "several": lambda c: Play(c, count=3),
         "zeroed": lambda c: Play(c, zeroed=c.rng.choice([-1, 1])),
+        "slack_encoder": SlackEncoder, "dragged_encoder": lambda c: SlackEncoder(c, c.rng.uniform(0.15, 0.4)),
     },
     "mount_compliance": {
         "spring": Mount, "hardening": lambda c: Mount(c, harden=c.rng.uniform(3, 15)),
