@@ -122,6 +122,14 @@ def test_a_taxel_that_does_not_answer():
         assert [f["cause"] for f in findings["findings"]] == ["dead_taxel"]
 
 
+@pytest.mark.parametrize("zero", [-4.0, -10.0, 10.0])
+def test_a_taxel_that_was_not_tared_answers_all_the_same(zero):
+    (scan,) = making.make(None, seed=1)[0]
+    (found,) = diagnose_scans([SpreadScan(scan.depth, scan.distance, scan.force + zero, name="scan.csv")]).findings["findings"]
+    assert (found["cause"], found["where"]) == ("force_offset", "taxel")
+    assert found["parameters"]["offset"]["value"] == pytest.approx(zero, abs=0.1)
+
+
 def test_pressing_must_not_make_readings_negative():
     scan = thesis_scan("4-10")
     with pytest.raises(DiagnosisError, match="negative"):

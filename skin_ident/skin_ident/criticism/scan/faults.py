@@ -13,7 +13,7 @@ from skin_ident.criticism.scan.fault import Fault, mm
 from skin_ident.criticism.scan.levels import Levels, find_levels
 from skin_ident.criticism.scan.rough import rough
 from skin_ident.criticism.scan.slips import FACTORS, factor_near, find_slips
-from skin_ident.criticism.scan.start import plain_start
+from skin_ident.criticism.scan.start import zeroed_start
 from skin_ident.criticism.telemetry.quantization import COARSER
 from skin_ident.criticism.telemetry.symptom import quantity
 from skin_ident.recordings.declared import Declared
@@ -86,14 +86,13 @@ def _silent(cells: Cells, scans: list[SpreadScan]) -> Iterator[Fault]:
 
 
 def answers(cells: Cells) -> bool:
-    """Whether readings grow with depth and fall with distance, whatever the curve: by Spearman's rank correlation with a depth times a
+    """Whether readings follow depth and distance, whatever the curve, zero and sign: by Spearman's rank correlation with a depth times a
     Gaussian, of three widths."""
     if len(cells) < 4 or np.ptp(cells.y) == 0.0:
         return False
     reach = np.abs(cells.r).max()
     guesses = (cells.z * np.exp(-((cells.r / (width * reach)) ** 2)) for width in (0.3, 0.6, 1.2))
-    found = [spearmanr(np.abs(cells.y), guess) for guess in guesses]
-    return any(one.statistic > 0.0 and one.pvalue < ANSWERS for one in found)
+    return any(spearmanr(cells.y, guess).pvalue < ANSWERS for guess in guesses)
 
 
 def _coarse(cells: Cells, step: float | None, declared: Declared) -> Iterator[Fault]:
@@ -109,7 +108,7 @@ def _other_units(cells: Cells, scans: list[SpreadScan]) -> Iterator[Fault]:
     """Faults for whole scans in another unit: they differ from earlier scans by a unit's factor, or have sizes that no skin has."""
     answering = [s for s in cells.scans if answers(cells.only(cells.scan == s))]
     parts = [cells.only(cells.scan == s) for s in answering]
-    fits = [plain_start(Cells(**{**vars(one), "scan": np.zeros(len(one), int)})) for one in parts]
+    fits = [zeroed_start(Cells(**{**vars(one), "scan": np.zeros(len(one), int)})) for one in parts]
     stiffness = np.array([f.k[0] / f.scale.deepest for f in fits])
     width = np.array([f.values["width"] for f in fits])
     for i, s in enumerate(answering):

@@ -7,7 +7,7 @@ import numpy as np
 from skin_ident.criticism.scan.candidates import FEWEST_DISTANCES
 from skin_ident.criticism.scan.cells import Cells
 from skin_ident.criticism.scan.fitting import Member, fit
-from skin_ident.criticism.scan.start import plain_start
+from skin_ident.criticism.scan.start import zeroed_start
 from skin_ident.criticism.scan.whitening import Whitener
 from skin_ident.estimators.scale import normal_scale
 
@@ -47,7 +47,7 @@ def rough(cells: Cells, floor: float) -> Rough:
     calm = ~_wild_rows(cells)
     calm[calm] = ~_wild_columns(cells.only(calm))
     believed = cells.only(calm)
-    m = plain_start(believed).freeing("exponent", "offset")
+    m = zeroed_start(believed).freeing("exponent", "offset")
     m = m.freeing("power", "tail") if np.unique(np.abs(cells.r)).size >= FEWEST_DISTANCES else m
     m = m.freeing("centre") if cells.r.min() < 0.0 < cells.r.max() else m
     m = m.freeing("ratio") if np.unique(cells.along[cells.along != 0.0]).size > 1 else m

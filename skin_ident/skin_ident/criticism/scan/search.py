@@ -136,7 +136,7 @@ def _better(
     for c in s.able:
         if c == old or c.cause in others or (c.cause == "off_centre" and not s.both_sides):
             continue
-        found = min((fit(m, s.cells, whitener) for m in with_candidate(c, base)), key=lambda f: f.cost)
+        found = min((fit(m, s.cells, whitener) for m in with_candidate(c, base, s.cells)), key=lambda f: f.cost)
         more = present.cost - found.cost - PARAMETER * (found.member.unknowns.size - present.member.unknowns.size)
         if more > (BETTER if c.cause == old.cause else CLOSE_SCORES) and (best is None or more > best[2]):
             best = (c, found, more)

@@ -1,6 +1,7 @@
 """The baseline from which a search begins: the thesis's model with a fitted or a declared width, or a given model as it is."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from skin_models.spread.kernels import Anisotropic, DepthWidth, Gaussian
 from skin_models.spread.noted import kernel_of, spread_width
 
 WIDTHS = 60  # widths of the first grid search
+FAR_LESS = 0.1  # share of a plain fit's squared residuals below which what a zero leaves shows that the taxel was not tared
 POINTS, RAMP = 2001, 1e4  # samples, and duration in s, of the slow ramp on which a given model is simulated
 
 
@@ -26,6 +28,16 @@ def plain_start(cells: Cells) -> Member:
     width = best[1]
     m = Member(plain(width), best[2], ("width",), Scale(mean, deepest), _steps(cells, width))
     return fit(m, cells, white(cells).whitener()).member
+
+
+def zeroed_start(cells: Cells) -> Member:
+    """`plain_start`, beside a zero of force where that leaves far less. Without it the curve narrows, or turns over, for a taxel that reads
+    far below zero at rest."""
+    m, noise = plain_start(cells), white(cells).whitener()
+    guess = replace(m.moved(width=float(np.abs(cells.r).max()) / 3.0).freeing("offset"), k=np.full(m.k.size, np.ptp(cells.y)))
+    zeroed = fit(guess, cells, noise)
+    left = noise.apply(cells.y - m.predict(cells))
+    return zeroed.member if zeroed.cost < FAR_LESS * float(left @ left) else m
 
 
 def declared_start(cells: Cells, width: float) -> Member:

@@ -9,6 +9,8 @@ from skin_ident.criticism.scan.fitting import Fit, Member, fit
 from skin_ident.criticism.scan.gate import Test
 from skin_ident.criticism.scan.noise import Estimated, estimate
 from skin_ident.criticism.scan.score import Judge
+from skin_ident.criticism.scan.start import zeroed_start
+from skin_ident.criticism.vocabulary import FORCE_OFFSET
 
 AHEAD = 5  # best trials that are fitted together with every other cause before one is chosen
 NOISE_TRIES = 4  # most causes whose residual is also used to estimate the noise
@@ -94,15 +96,25 @@ def judge_in(noise: Estimated, s: Setting) -> Judge:
 
 def trial(present: Fit, c: Candidate, j: Judge, s: Setting) -> Trial:
     """The trial of a cause: added to the present fit and fitted from each of its starts, of which the best counts."""
-    best = min((fit(m, s.cells, j.whitener) for m in with_candidate(c, present.member)), key=lambda f: f.cost)
+    best = min((fit(m, s.cells, j.whitener) for m in with_candidate(c, present.member, s.cells)), key=lambda f: f.cost)
     fall = max(present.cost - best.cost, 0.0)
     count = best.member.unknowns.size - present.member.unknowns.size
     return Trial(c, best, fall, j.score(fall, best, c.names, count))
 
 
-def with_candidate(c: Candidate, m: Member) -> list[Member]:
-    """Initial members for a fit of `m` with the cause."""
-    return [sizes_of(m, True)] if c.cause == "parameters" else starts(c, m)
+def with_candidate(c: Candidate, m: Member, cells: Cells) -> list[Member]:
+    """Initial members for a fit of `m` to `cells` with the cause."""
+    if c.cause == "parameters":
+        return [sizes_of(m, True)]
+    return [*starts(c, m), *(_untared(c, m, cells) if c.cause == FORCE_OFFSET else ())]
+
+
+def _untared(c: Candidate, m: Member, cells: Cells) -> tuple[Member, ...]:
+    """The start at the width and zero of a taxel that was plainly not tared: its curve without the zero may be far from that with it."""
+    zeroed = zeroed_start(cells)
+    if not zeroed.values["offset"] or "width" not in m.free or not m.k_free:
+        return ()
+    return (replace(m.freeing(*c.names).moved(width=zeroed.values["width"], offset=zeroed.values["offset"]), k=zeroed.k),)
 
 
 def without_candidate(c: Candidate, m: Member, start: Member) -> Member:
