@@ -95,7 +95,28 @@ def test_a_scan_that_is_mostly_copied_is_not_fitted():
     assert [f["cause"] for f in findings["findings"]] == ["data_error"]
     because = {e["cause"]: e["because"] for e in findings["untestable"]}
     assert "too little" in because["spread_shape"] and "no time" in because["lag"]
+    assert "too few" in because["outliers"] and "outliers" not in {e["cause"] for e in findings["excluded"]}
     assert any("12 of 60 readings" in w for w in findings["warnings"])
+
+
+def part_of(scan, rows, columns):
+    return SpreadScan(scan.depth[rows], scan.distance[columns], scan.force[rows, columns], name="part.csv")
+
+
+ONE_ROW, THREE_BY_THREE, TWO_ROWS = (slice(9, None), slice(None)), (slice(0, 9, 4), slice(0, 9, 3)), (slice(3, 9, 5), slice(0, 9, 2))
+
+
+@pytest.mark.parametrize(("rows", "columns"), [ONE_ROW, THREE_BY_THREE, TWO_ROWS])
+def test_a_scan_too_small_to_be_judged_is_refused(rows, columns):
+    with pytest.raises(DiagnosisError, match="too few"):
+        diagnose_scans([part_of(making.make(None, seed=1)[0][0], rows, columns)])
+
+
+def test_two_rows_are_fitted_but_not_searched_for_slips():
+    findings = diagnose_scans([part_of(making.make(None, seed=1)[0][0], slice(3, 9, 5), slice(None))]).findings
+    because = {e["cause"]: e["because"] for e in findings["untestable"]}
+    assert all("too few" in because[cause] for cause in ("outliers", "data_error"))
+    assert "dead_taxel" in {e["cause"] for e in findings["excluded"]}
 
 
 def test_levels_of_a_converter():

@@ -42,7 +42,7 @@ def diagnose_scans(
 
     The baseline is what the simulated skin does: force = k depth exp(-(r / c)^2), with one stiffness k per scan and one width c for all
     scans. The width is `spread_width_mm` of rig.yaml where that is declared, else it is fitted. Raises `DiagnosisError` where there is
-    no scan, where pressing makes the readings negative, or where no reading of the held-out scans can be trusted.
+    no scan, too few readings, where pressing makes the readings negative, or where no reading of the held-out scans can be trusted.
     """
     if not scans:
         raise DiagnosisError("there is no scan to diagnose")

@@ -20,7 +20,9 @@ from skin_ident.recordings.declared import Declared
 from skin_ident.spread_scan import SpreadScan
 
 ANSWERS = 3e-4  # p-value below which readings are taken to follow depth and distance
-FEWEST = 12  # cells that a search needs
+FEWEST = 12  # cells that a search needs, and a scan from which a taxel can be called dead
+FEWEST_ROWS, IN_A_ROW = 2, 3  # rows of so many cells that a search needs
+TOO_FEW = "there are too few readings, or too few rows, to look for it"
 SANE = {"distance": (5e-5, 0.2), "depth": (1e-6, 0.1), "force": (1e-3, 1e5)}  # m, m, N: plausible widths, depths and largest forces
 
 
@@ -45,7 +47,7 @@ class Looked:
     def enough(self) -> bool:
         """Whether a search can run on what is left."""
         rows = [np.sum(self.cells.row == d) for d in np.unique(self.cells.row)]
-        return len(self.cells) >= FEWEST and sum(n >= 3 for n in rows) >= 2
+        return len(self.cells) >= FEWEST and sum(n >= IN_A_ROW for n in rows) >= FEWEST_ROWS
 
 
 def look(scans: list[SpreadScan], directions: list[str], declared: Declared) -> Looked:
@@ -55,13 +57,15 @@ def look(scans: list[SpreadScan], directions: list[str], declared: Declared) -> 
     step = float(np.median([f.step for f in levels])) if len(levels) == len(scans) else None
     faults = [*_silent(cells, scans), *_coarse(cells, step, declared)]
     answering = ~np.any([f.bad for f in faults], axis=0) if faults else np.ones(len(cells), bool)
-    if answering.sum() >= FEWEST:
-        faults += _in_the_record(cells, answering, scans, step)
+    found, searched = _in_the_record(cells, answering, scans, step) if answering.sum() >= FEWEST else ([], False)
+    faults += found
     bad = np.any([f.bad for f in faults], axis=0) if faults else np.zeros(len(cells), bool)
-    return Looked(cells, cells.only(~bad), tuple(faults), step, _words(declared, step), tuple(_off_level(scans)))
+    words = _words(declared, step, searched, all(_askable(cells, i) for i in range(len(scans))))
+    return Looked(cells, cells.only(~bad), tuple(faults), step, words, tuple(_off_level(scans)))
 
 
-def _in_the_record(cells: Cells, answering: np.ndarray, scans: list[SpreadScan], step: float | None) -> list[Fault]:
+def _in_the_record(cells: Cells, answering: np.ndarray, scans: list[SpreadScan], step: float | None) -> tuple[list[Fault], bool]:
+    """The faults within tables, and whether there was enough to search for all of them."""
     believed = cells.only(answering)
     table = rough(believed, (step or resolution(believed.y)) / np.sqrt(12.0))
     if np.all(table.member.k < 0.0):
@@ -69,20 +73,26 @@ def _in_the_record(cells: Cells, answering: np.ndarray, scans: list[SpreadScan],
     found = [*find_copies(believed, table, scans, step)]
     copied = np.any([f.bad for f in found], axis=0) if found else np.zeros(len(believed), bool)
     rest = believed.only(~copied)
-    if len(rest) >= FEWEST and np.unique(rest.row).size >= 3:
+    enough = len(rest) >= FEWEST and np.unique(rest.row).size >= 3
+    if enough:
         table = rough(rest, (step or resolution(rest.y)) / np.sqrt(12.0))
         found += [f.among(~copied) for f in find_slips(rest, table, scans)]
         found += [f.among(~copied) for f in _other_units(rest, scans)]
-    return [f.among(answering) for f in found]
+    return [f.among(answering) for f in found], enough
 
 
 def _silent(cells: Cells, scans: list[SpreadScan]) -> Iterator[Fault]:
     """Scans whose readings depend on neither depth nor distance."""
     for i, scan in enumerate(scans):
         mine = cells.only(cells.scan == i)
-        if not answers(mine):
+        if _askable(cells, i) and not answers(mine):
             why = f"the readings of {scan.name} depend on neither depth nor distance: the taxel does not answer"
             yield Fault("dead_taxel", "taxel", why, cells.scan == i, {"spread_of_readings": quantity(np.std(mine.y), "N")})
+
+
+def _askable(cells: Cells, scan: int) -> bool:
+    """Whether a scan has enough readings to tell whether its taxel answers."""
+    return np.sum(cells.scan == scan) >= FEWEST
 
 
 def answers(cells: Cells) -> bool:
@@ -132,9 +142,11 @@ def _insane(scan: SpreadScan, width: float, n: int) -> Iterator[Fault]:
             yield Fault("data_error", "rig", why, np.zeros(n, bool), {what: quantity(value, unit)})
 
 
-def _words(declared: Declared, step: float | None) -> dict[str, str]:
-    """For each cause that is decided here: empty where it was looked for, else why it could not be."""
-    words = {"outliers": "", "dead_taxel": "", "data_error": "", "quantization": "", "noise": ""}
+def _words(declared: Declared, step: float | None, searched: bool, asked: bool) -> dict[str, str]:
+    """For each cause that is decided here: empty where it was looked for, else why it could not be. `searched` says whether the tables were
+    searched, `asked` whether every scan was asked whether its taxel answers."""
+    slips = "" if searched else TOO_FEW
+    words = {"outliers": slips, "dead_taxel": "" if asked else TOO_FEW, "data_error": slips, "quantization": "", "noise": ""}
     if not declared.taxel_step_n:
         words["quantization"] = "rig.yaml does not declare taxel_step_n" + (f"; the readings are {step:.3g} N apart" if step else "")
     if not declared.taxel_noise_n:

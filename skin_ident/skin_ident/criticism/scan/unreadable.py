@@ -1,6 +1,7 @@
 """The outcome for scans with too few trusted readings to fit anything."""
 
-from skin_ident.criticism.scan.faults import Looked
+from skin_ident.criticism.errors import DiagnosisError
+from skin_ident.criticism.scan.faults import FEWEST, FEWEST_ROWS, IN_A_ROW, Looked
 from skin_ident.criticism.scan.findings import recordings, seen, together
 from skin_ident.criticism.scan.limits import NEVER
 from skin_ident.criticism.telling.outcome import Outcome
@@ -8,11 +9,15 @@ from skin_ident.criticism.vocabulary import CAUSES
 from skin_ident.spread_scan import SpreadScan
 
 LEFT = "too little of these scans can be believed"
+NEEDED = f"{FEWEST_ROWS} depths with {IN_A_ROW} distances each, and {FEWEST} readings in all, are needed"
 NOTHING = {"model": "none: too little can be believed to fit one", "parameters": {}, "rmse": {}}
 
 
 def unreadable(scans: list[SpreadScan], held: list[SpreadScan], looked: Looked) -> Outcome:
-    """The faults of the tables, without model and curves. Causes that were looked for in the tables are excluded, all others untestable."""
+    """The faults of the tables, without model and curves. Causes that were looked for in the tables are excluded, all others untestable.
+    Raises `DiagnosisError` where there are too few readings and nothing is wrong with them."""
+    if not looked.faults:
+        raise DiagnosisError(f"{scans[0].name}: {len(looked.every)} readings are too few to judge; {NEEDED}")
     entries = [seen(f) for f in together(looked.faults)]
     named = {entry["cause"] for entry in entries} | {a["cause"] for entry in entries for a in entry["alternatives"]}
     inspected = [c.name for c in CAUSES if looked.known.get(c.name) == "" and c.name not in named and c.name != "noise"]
@@ -29,7 +34,7 @@ def unreadable(scans: list[SpreadScan], held: list[SpreadScan], looked: Looked) 
         "extended": NOTHING,
         "noise_floor": {},
         "systematic_rest": {"fall_of_mean_square": None, "lower_bound": None},
-        "verdict": "explained" if entries else "nothing_wrong",
-        "warnings": [*looked.warnings, f"{LEFT} to judge a simulation: {len(looked.cells)} of {len(looked.every)} readings"],
+        "verdict": "explained",
+        "warnings": [*looked.warnings, f"{LEFT} to judge a simulation: {len(looked.cells)} of {len(looked.every)} readings; {NEEDED}"],
     }
     return Outcome(content)
