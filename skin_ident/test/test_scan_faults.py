@@ -99,6 +99,27 @@ def test_a_scan_that_is_mostly_copied_is_not_fitted():
     assert any("12 of 60 readings" in w for w in findings["warnings"])
 
 
+def in_units(*factors):
+    """Scans of like skins, named 0, 1 ..., whose readings are in units of 1 / factor N."""
+    scans = [making.make(None, seed=11)[0][0] for _ in factors]
+    more = [np.random.default_rng(i).normal(0, 0.03, s.force.shape) for i, s in enumerate(scans)]
+    every = enumerate(zip(factors, scans, more, strict=True))
+    return [SpreadScan(s.depth, s.distance, f * (s.force + e), name=f"{i}") for i, (f, s, e) in every]
+
+
+@pytest.mark.parametrize(("factors", "odd"), [((1, 1, 1e3), 2), ((1e3, 1, 1), 0), ((1, 9.80665, 1, 1), 1), ((9.80665, 1, 1, 1), 0)])
+def test_the_scan_that_differs_from_most_is_in_another_unit_wherever_it_stands(factors, odd):
+    (fault,) = [f for f in look(in_units(*factors), [""] * len(factors), Declared()).faults if "factor that only a unit has" in f.why]
+    assert f"the force over depth of {odd} is" in fault.why and "may as well" not in fault.why
+    assert fault.parameters["factor"]["value"] == pytest.approx(factors[odd], rel=0.03)
+    assert fault.bad.sum() == fault.bad.size / len(factors)
+
+
+def test_of_two_scans_in_different_units_either_may_be_wrong():
+    (fault,) = look(in_units(1, 1e3), ["", ""], Declared()).faults
+    assert "of 1 is" in fault.why and "times that of 0" in fault.why and "may as well be" in fault.why
+
+
 def part_of(scan, rows, columns):
     return SpreadScan(scan.depth[rows], scan.distance[columns], scan.force[rows, columns], name="part.csv")
 

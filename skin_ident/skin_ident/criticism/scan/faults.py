@@ -115,21 +115,34 @@ def _coarse(cells: Cells, step: float | None, declared: Declared) -> Iterator[Fa
 
 
 def _other_units(cells: Cells, scans: list[SpreadScan]) -> Iterator[Fault]:
-    """Faults for whole scans in another unit: they differ from earlier scans by a unit's factor, or have sizes that no skin has."""
-    answering = [s for s in cells.scans if answers(cells.only(cells.scan == s))]
+    """Faults for whole scans in another unit: they differ from most scans by a unit's factor, or have sizes that no skin has."""
+    answering = np.array([s for s in cells.scans if answers(cells.only(cells.scan == s))], int)
+    if not answering.size:
+        return
     parts = [cells.only(cells.scan == s) for s in answering]
     fits = [zeroed_start(Cells(**{**vars(one), "scan": np.zeros(len(one), int)})) for one in parts]
     stiffness = np.array([f.k[0] / f.scale.deepest for f in fits])
     width = np.array([f.values["width"] for f in fits])
-    for i, s in enumerate(answering):
-        for what, value in (("force over depth", stiffness), ("width", width)):
-            ratio = value[i] / np.median(value[:i]) if i else 1.0
-            factor = factor_near(ratio) if not 0.4 < ratio < 2.5 else None
+    for what, value in (("force over depth", stiffness), ("width", width)):
+        most = _alike(value)
+        names = [scans[int(s)].name for s in answering[most]]
+        either = f" (it may as well be the unit of {' and '.join(names)} that is wrong)" if 2 * most.sum() <= most.size else ""
+        for s, ratio in zip(answering[~most], value[~most] / np.median(value[most]), strict=True):
+            factor = factor_near(ratio)
             if factor is not None and factor > 0.0:
-                other = f"{ratio:.4g} times that of {scans[int(answering[0])].name}"
-                why = f"the {what} of {scans[int(s)].name} is {other}: a factor that only a unit has ({FACTORS[factor]})"
+                other = f"{ratio:.4g} times that of {names[0] if len(names) == 1 else 'most scans'}"
+                why = f"the {what} of {scans[int(s)].name} is {other}: a factor that only a unit has ({FACTORS[factor]}){either}"
                 yield Fault("data_error", "rig", why, cells.scan == s, {"factor": quantity(factor, "1")})
-        yield from _insane(scans[int(s)], float(width[i]), len(cells))
+    for s, one in zip(answering, width, strict=True):
+        yield from _insane(scans[int(s)], float(one), len(cells))
+
+
+def _alike(value: np.ndarray) -> np.ndarray:
+    """Mask of the values that differ by no factor of units from each other: the largest such group, the first of equal ones."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = value[:, None] / value
+    near = (ratio > 0.4) & (ratio < 2.5)
+    return near[np.argmax(near.sum(axis=1))]
 
 
 def _insane(scan: SpreadScan, width: float, n: int) -> Iterator[Fault]:
