@@ -6,12 +6,14 @@ import scan_making as making
 
 from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.scan import diagnose_scans
+from skin_ident.criticism.scan.copies import resolution
 from skin_ident.criticism.scan.diagnose import direction
 from skin_ident.criticism.scan.faults import look
 from skin_ident.criticism.scan.levels import find_levels
 from skin_ident.recordings.declared import Declared
 from skin_ident.spread_scan import SpreadScan
 from skin_ident.thesis_spread import thesis_scan
+from skin_models.tables.units import FORCE
 
 
 def spoilt(kind, seed):
@@ -51,6 +53,22 @@ def test_a_slip_is_a_data_error_that_names_its_place(kind, seed):
     assert {f.cause for f in faults} == {"data_error"}
     place = distance if "column" in kind else depth
     assert any(np.isclose(p["value"], place) for f in faults for p in f.parameters.values())
+
+
+@pytest.mark.parametrize("unit", ["n", "mn", "kgf", "gf", "lbf"])
+def test_the_last_decimal_is_that_of_the_unit_it_was_written_in(unit):
+    written = np.round(np.random.default_rng(1).uniform(0.0, 2.0, 130), 3)
+    assert resolution(FORCE[unit] * written) == pytest.approx(1e-3 * FORCE[unit])
+
+
+@pytest.mark.parametrize("unit", ["n", "kgf", "lbf"])
+def test_readings_that_are_equal_far_from_the_taxel_are_no_copies_in_any_unit(unit):
+    depth, distance = np.arange(1, 11) * 1e-4, np.linspace(0.0, 12e-3, 13)
+    for seed in range(3):
+        noise = 0.004 * np.random.default_rng(seed).normal(size=(10, 13))
+        force = making.plain(depth[:, None], distance, 8e3, 3e-3) + noise
+        written = np.round(force / FORCE[unit], 2 if unit == "n" else 3)
+        assert not look([SpreadScan(depth, distance, FORCE[unit] * written)], [""], Declared()).faults
 
 
 @pytest.mark.parametrize("noise", making.NOISES)

@@ -18,10 +18,12 @@ from skin_ident.criticism.scan.fault import Fault, mm
 from skin_ident.criticism.scan.rough import OF_FORCE, Rough
 from skin_ident.criticism.telemetry.symptom import quantity
 from skin_ident.spread_scan import SpreadScan
+from skin_models.tables.units import FORCE
 from skin_models.thesis.tables import scan as thesis_table
 
 DOUBT = np.log(1e4)  # nats by which the evidence of a run must exceed the logarithm of the number of places it could stand in
 MOST = 0.85  # share of the readings that must fit the resolution; one row in another unit may have more decimals
+LAST = sorted((FORCE[unit] * 10.0**-decimals for unit in ("n", "kgf", "lbf") for decimals in range(7)), reverse=True)  # N, coarse to fine
 SHORTEST = 4  # equal cells in a row that count as a run
 FEWEST_VALUES = 4  # different values that a row must have to be recognised in the thesis's table
 REFERENCE = "thesis Table 4-10 (4 mm silicone)"
@@ -51,10 +53,10 @@ def find_copies(cells: Cells, table: Rough, scans: list[SpreadScan], step: float
 
 
 def resolution(y: np.ndarray) -> float:
-    """The unit of the last decimal that most readings have, N."""
-    for decimals in range(7):
-        if np.mean(np.abs(y * 10**decimals - np.round(y * 10**decimals)) < 1e-6) > MOST:
-            return 10.0**-decimals
+    """The unit of the last decimal that most readings have, N: a decimal of the unit of force that they were written in."""
+    for q in LAST:
+        if np.mean(np.abs(y / q - np.round(y / q)) < 1e-6) > MOST:
+            return q
     return 1e-7
 
 
