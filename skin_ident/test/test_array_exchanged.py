@@ -59,6 +59,13 @@ def test_no_other_cause_is_taken_for_an_exchange(tmp_path, cause, form, where, s
             assert not asked(recordings)[1]
 
 
+@pytest.mark.parametrize("layout", ["row_5mm", "aside"])
+def test_taxels_that_were_not_tared_are_not_taken_for_exchanged_ones(tmp_path, layout):
+    recordings = record(tmp_path, seed=500, protocol="full", layout=layout)
+    zeros = np.array([-1.92, -2.08, 1.85])[:, None]
+    assert not asked([replace(r, taxels=r.taxels + zeros) for r in recordings])[1]
+
+
 @pytest.mark.slow
 def test_neither_are_silent_taxels_gains_or_a_spread_of_another_shape(tmp_path):
     recordings = record_at(tmp_path / "plain", ALONG, seed=1, taxels=4, **SHORT)

@@ -19,7 +19,7 @@ from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.gains import Gains
 from skin_ident.criticism.array.judgement import judge, unlike
 from skin_ident.criticism.array.layout import Layout
-from skin_ident.criticism.array.spreading import loads
+from skin_ident.criticism.array.spreading import beside_zero
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.vocabulary import EXCHANGED
 
@@ -111,8 +111,9 @@ def _measured(recordings: list, declared: np.ndarray) -> Gains:
 
 
 def _slopes(r) -> tuple[np.ndarray, np.ndarray]:
-    """Slopes (T,) on depth and speed in contact (on force, where that drives the test), and their covariance (T, T) from blocks."""
-    H = loads(r)
+    """Slopes (T,) on depth and speed in contact (on force, where that drives the test), beside a zero of each taxel, and their covariance
+    (T, T) from blocks."""
+    H = beside_zero(r)
     inverse = np.linalg.pinv(H.T @ H)
     slopes = inverse @ (H.T @ r.taxels.T)
     left = r.taxels.T - H @ slopes

@@ -18,7 +18,7 @@ def with_spread(recordings: list, layout: Layout | str) -> list:
     is hardly loaded."""
     if isinstance(layout, str) or not layout.several_contacts:
         return recordings
-    slopes = np.array([np.linalg.lstsq(_beside_zero(r), r.taxels.T, rcond=None)[0][0] for r in recordings])
+    slopes = np.array([np.linalg.lstsq(beside_zero(r), r.taxels.T, rcond=None)[0][0] for r in recordings])
     return _spread(recordings, slopes, slopes.max())
 
 
@@ -33,28 +33,23 @@ def with_believed_spread(recordings: list, bad: list[np.ndarray]) -> list:
     return _spread(recordings, slopes, unit) if unit > 0.0 else recordings
 
 
-def loads(recording) -> np.ndarray:
-    """Regressors of the taxels: depth and speed in contact, (N, 2), or force, (N, 1), where that drives the test. The elastic slope is that
-    on the first column."""
+def beside_zero(recording) -> np.ndarray:
+    """Regressors of the taxels and a column of ones for their zero: depth and speed in contact, (N, 3), or force, (N, 2), where that drives
+    the test. The elastic slope is that on the first column."""
     if recording.depth is None:
-        return recording.force[:, None]
+        return np.column_stack([recording.force, np.ones(recording.force.size)])
     x = recording.depth
-    return np.column_stack([x, np.gradient(x, recording.dt)]) * (x > 0.0)[:, None]
+    touched = (x > 0.0)[:, None]
+    return np.hstack([np.column_stack([x, np.gradient(x, recording.dt)]) * touched, np.ones((x.size, 1))])
 
 
 def _spread(recordings: list, slopes: np.ndarray, unit: float) -> list:
     return [replace(r, spread=row) for r, row in zip(recordings, np.maximum(slopes, 0.0) / unit, strict=True)]
 
 
-def _beside_zero(recording) -> np.ndarray:
-    """The regressors and a column of ones for the zero, (N, 3) or (N, 2)."""
-    H = loads(recording)
-    return np.column_stack([H, np.ones(len(H))])
-
-
 def _slopes(recording, kept: np.ndarray) -> list[float]:
     """Elastic slope of every taxel over its samples in a mask (T, N), with a free zero."""
-    H = _beside_zero(recording)
+    H = beside_zero(recording)
     return [float(np.linalg.lstsq(H[k], y[k], rcond=None)[0][0]) if k.any() else 0.0 for y, k in zip(recording.taxels, kept, strict=True)]
 
 
