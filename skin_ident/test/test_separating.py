@@ -17,6 +17,7 @@ from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.rivals import REACH, Rival
 from skin_ident.criticism.search.survey import survey
+from skin_ident.criticism.sessions.cutoff import Common
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.criticism.vocabulary import BY_NAME
 from skin_ident.hiding.simulated_rig import SimulatedRig, varied
@@ -24,7 +25,7 @@ from skin_ident.recordings.mass import known_mass
 from skin_ident.separating.by_hand import MORE_THAN_A_MOTION, shown_by_hand
 from skin_ident.separating.candidates import candidates
 from skin_ident.separating.choose import Experiment, _Option, _text, as_criticised, separating_experiment
-from skin_ident.separating.contest import Contest
+from skin_ident.separating.contest import Contest, rehearsed
 from skin_ident.separating.unrecorded import holds, unrecorded
 from skin_models.catalogue import effect_class
 from skin_models.materials import material
@@ -116,6 +117,16 @@ def test_candidates_stay_within_depth_and_rig():
     assert len(found) > 25 and len({c.name for c in found}) == len(found)
     for c in found:
         assert c.motion.x.max() < 0.602e-3 and np.abs(c.motion.v).max() < 20.1e-3
+
+
+def test_a_motion_is_rehearsed_in_the_band_in_which_it_will_be_compared():
+    """Taxels that are read every 50 ms narrow the band of records with ten times as many rows."""
+    (recording,) = recorded(material("silicone_4mm").model, entry_from_text(SINE), [1])
+    session = prepare(recording, common=Common(slowest=0.05))
+    motion = candidates(1e-3, recording.dt)[0].motion
+    band = rehearsed(motion, session, dispersion_start([session])).band
+    assert band.edge == session.band.edge == pytest.approx(4.0)
+    assert band.spacing == pytest.approx(session.band.spacing)
 
 
 def test_the_battery_is_one_that_the_server_reads(tmp_path):

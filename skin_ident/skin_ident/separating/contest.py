@@ -104,7 +104,7 @@ def rehearsed(motion: Motion, like: Session, model: Model) -> Session:
     Samples where contact is made at more than GENTLE are left out too: there the rivals differ by a jump between two samples, which
     telemetry takes for a spike.
     """
-    band = Band(motion.dt, like.band.cutoff)
+    band = Band(motion.dt, like.band.cutoff, like.band.slowest)
     t = band.times(motion.t)
     shape = (len(like.channels), t.size)
     hasty = meeting(motion, model.dispersion) & (np.abs(motion.v) > GENTLE)
