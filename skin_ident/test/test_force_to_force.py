@@ -10,6 +10,7 @@ from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.courses.carriers import DRIVE, carried
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.sessions.session import prepare
+from skin_ident.criticism.telemetry.pile_up import find_saturated_drive
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.recording import Recording
 
@@ -72,3 +73,25 @@ def test_a_taxel_that_nothing_predicts_is_not_called_sound():
 
     found = diagnose([loose(1), loose(2)], [loose(3)]).findings
     assert found["verdict"] == "unexplained" or ("gain_error", "taxel") in {(f["cause"], f["where"]) for f in found["findings"]}
+
+
+@pytest.mark.parametrize("clipped", [False, True])
+def test_a_force_that_never_falls_far_below_its_peak_is_clipped_only_if_it_is(clipped):
+    """Small sines about a preload of 10 N, read in steps of 5 mN."""
+
+    def preloaded(seed: int) -> Recording:
+        rng, t = np.random.default_rng(seed), 0.01 * np.arange(6000)
+        force = 10.0 + 0.4 * np.sin(np.pi * t) * np.sin(0.2 * t + seed)
+        read, taxel = np.array([force, 0.5 * force]) + 0.01 * rng.standard_normal((2, t.size))
+        read = np.minimum(read, 10.3) if clipped else read
+        y = 0.005 * np.round(np.array([read, taxel]) / 0.005)
+        return Recording(f"preload_{seed}", t, None, y[0], y[1:])
+
+    recordings = [preloaded(seed) for seed in range(3)]
+    assert bool(find_saturated_drive(recordings, [r.force for r in recordings])) == clipped
+
+
+def test_a_force_that_never_moves_is_not_clipped():
+    t = 0.01 * np.arange(2000)
+    held = Recording("held", t, None, np.full(t.size, 10.0), 5.0 + 0.01 * np.random.default_rng(0).standard_normal((1, t.size)))
+    assert not find_saturated_drive([held], [held.force])

@@ -12,7 +12,7 @@ from skin_ident.estimators.scale import normal_scale
 FEWEST_VISITS = 2  # separate times at the level
 FEWEST_SAMPLES = 10  # samples at the level, in all
 PILED = 4.0  # times as many samples at the level as, on average, at each of the five levels below it
-BELOW = 0.9  # share of the greatest driving force, up to which the taxel's line is fitted to it
+BELOW = 0.9  # share of the driving force's range, up to which the taxel's line is fitted to it
 BEYOND = 2.0  # noise widths by which the simulation must exceed the level,
 NOISY = 2.0  # unless the noise, and the model's movement within a visit, exceed so many converter steps
 
@@ -47,9 +47,9 @@ def find_saturated_drive(recordings: list, believed: list[np.ndarray]) -> list[S
     """Saturation of the force that drives tests without depth, `believed` (N,) after repair of its spikes. The taxel that moves most serves
     as the model: its line against the force is fitted below the level."""
     taxels, force = np.concatenate([r.taxels for r in recordings], axis=1), np.concatenate(believed)
-    below = force < BELOW * force.max()
+    below = force < force.min() + BELOW * np.ptp(force)
     taxel = int(np.argmax(taxels.std(axis=1)))
-    if np.ptp(taxels[taxel, below]) <= 0.0:
+    if not below.any() or np.ptp(taxels[taxel, below]) <= 0.0:
         return []
     line = np.polyfit(taxels[taxel, below], force[below], 1)
     predicted = [np.polyval(line, r.taxels[taxel])[None] for r in recordings]
