@@ -1,6 +1,7 @@
 """Tones of other origin are found within the motion's own band, steady or in bursts; what the motion makes of itself is none."""
 
 from dataclasses import replace
+from itertools import permutations
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ from world import make_sessions, write_case
 
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.record import inspect
-from skin_ident.criticism.telemetry.lines import find_interference
+from skin_ident.criticism.telemetry.lines import find_interference, not_searched
+from skin_ident.criticism.telling.findings import telemetry_words
 from skin_ident.recordings.load import load
 from skin_ident.recordings.recording import Recording
 from skin_models.signals import motion
@@ -148,6 +150,38 @@ def test_a_tone_of_some_sessions_is_told_with_them():
     assert some.evidence["only_in"] == ["session_2", "session_4"] and "in session_2 and session_4" in some.evidence["why"]
     assert all(abs(s.evidence["lines"][0] - 31.3) < 0.1 for s in (some, every)) and "only_in" not in every.evidence
     assert not seen({2}), "one session alone may do anything"
+
+
+def hums(sessions):
+    """The frequency of the tallest line that is found in recordings, as they come; None without one."""
+    return next((s.evidence["lines"][0] for s in inspect(sessions).symptoms if s.cause == "interference"), None)
+
+
+def steady(t):
+    return np.sin(2 * np.pi * 6.3 * t)
+
+
+def test_a_session_of_seconds_hides_no_tone_of_the_long_ones(tmp_path):
+    write_case(humming(steady, 0.08), tmp_path)
+    *long, other = load(tmp_path)
+    short = other.part(500, 800)
+    assert hums([*long, short]) == pytest.approx(6.3, abs=0.05)
+    assert "in session_2 alone" in not_searched([*long, short]) and not not_searched([*long, other])
+
+
+def test_where_no_session_is_long_enough_for_any_line_none_is_said_to_be_looked_for():
+    t = np.arange(40) / 10.0
+    held = [Recording(f"session_{k}", t, force=np.ones(t.size), taxels=np.ones((1, t.size))) for k in range(3)]
+    assert "too short" in not_searched(held)
+    assert "too short" in telemetry_words(held, given=False)["interference"]
+
+
+def test_a_tone_is_found_in_whatever_order_sessions_of_two_rates_come(tmp_path):
+    write_case(humming(steady, 0.08), tmp_path)
+    first, *rest = load(tmp_path)
+    slower = replace(first, t=first.t[::2], depth=first.depth[::2], force=first.force[::2], taxels=first.taxels[:, ::2])
+    assert all(hums(list(order)) == pytest.approx(6.3, abs=0.05) for order in permutations([slower, *rest]))
+    assert "in session_0 alone" in not_searched([slower, *rest])
 
 
 @pytest.mark.parametrize(("hum", "found"), [(0.003, True), (0.0, False)])

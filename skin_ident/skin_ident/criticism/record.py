@@ -20,7 +20,7 @@ from skin_ident.criticism.telemetry.copied import copies_among, emptied, find_co
 from skin_ident.criticism.telemetry.crossed import find_crossed
 from skin_ident.criticism.telemetry.dead import find_dead_taxels
 from skin_ident.criticism.telemetry.encoder import find_encoder_faults
-from skin_ident.criticism.telemetry.lines import find_interference
+from skin_ident.criticism.telemetry.lines import find_interference, searched
 from skin_ident.criticism.telemetry.more_than_applied import find_more_than_applied
 from skin_ident.criticism.telemetry.outliers import Said, find_outliers
 from skin_ident.criticism.telemetry.pieces import find_pieces
@@ -33,7 +33,6 @@ from skin_ident.stretches import runs
 from skin_models.model import Model
 
 TREND = 25  # samples of the running median that is taken for the true force
-SAME_RATE = 0.01  # relative difference of sampling periods, within which sessions are searched together for interference
 LOST = 0.5  # share of all samples in which a taxel must be dead to be given up
 HARMLESS = 3  # samples of depth that may be bridged by a straight line with an error well below the noise in the band
 
@@ -196,10 +195,10 @@ def _in_residuals(
     told |= {("saturation", c) for s in (*outliers, *clipped) for c in s.channels}
     pieces = [s for s in find_pieces(first, sessions, rest) if (s.cause, s.channels[0]) not in told]
     rest = _beside(rest, recordings, [*outliers, *pieces])
-    alike = [i for i, r in enumerate(recordings) if abs(r.dt / dt - 1.0) < SAME_RATE]
+    alike = searched(recordings)
     beside = [rest[i] - _of_quick_depth(first, sessions[i], recordings[i]) for i in alike]
     residuals, motion = ([rows[i] for i in alike] for rows in (rest, predicted))
-    lines = find_interference([names[i] for i in alike], channels, residuals, motion, dt, n, stepped, beside)
+    lines = find_interference([names[i] for i in alike], channels, residuals, motion, recordings[alike[0]].dt, n, stepped, beside)
     return [*outliers, *pieces, *clipped, *lines]
 
 

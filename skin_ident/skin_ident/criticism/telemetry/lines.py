@@ -17,7 +17,7 @@ from scipy.ndimage import maximum_filter1d
 from scipy.signal import zoom_fft
 from scipy.stats import gamma
 
-from skin_ident.criticism.pattern import in_sessions
+from skin_ident.criticism.pattern import in_sessions, when
 from skin_ident.criticism.telemetry.bursts import COMING, coming, envelope
 from skin_ident.criticism.telemetry.motion_lines import LONE_LINE, goes_on_at_rest, is_of_motion, over_background
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
@@ -32,6 +32,8 @@ DRIFT = 5  # bins by which a line may differ from session to session
 BESIDE = 2, 12  # bins: nearest and farthest of those that a line is compared with to tell it from a hump
 HUMP = 1e-5  # chance that a hump passes for a line, given that its highest bin is tested
 BURST_HZ = 1.0  # half width of the band in which bursts are looked for
+SAME_RATE = 0.01  # relative difference of sampling periods, within which sessions are searched together
+SHORT = 0.5  # share of the usual length below which a session is left out: all are cut to the length of the shortest
 FEWEST_CYCLES = 24  # cycles in a session, the fewest for a line
 LOWEST_HZ = 0.3  # lowest frequency: below, the motion itself leaves lines in a residual
 AROUND, LONELY = 30, 0.15  # bins around a line, with sidebands from bursts; the median there must stay below this share of its height
@@ -77,8 +79,7 @@ class _Rows:
     @property
     def asked(self) -> np.ndarray:
         """Mask of the frequencies at which lines are looked for."""
-        frequency, seconds = self.frequency, self.shortest * self.dt
-        return (frequency >= max(LOWEST_HZ, FEWEST_CYCLES / seconds)) & (frequency <= frequency[-1] - 2.0 / seconds)
+        return _asked(self.shortest, self.dt)
 
     @cached_property
     def over_backgrounds(self) -> list[np.ndarray]:
@@ -88,6 +89,32 @@ class _Rows:
     def by_chance(self, sessions: int) -> float:
         """Height over the background, averaged over sessions, that the tallest frequency reaches by chance."""
         return (sessions > 1) - float(np.log(CHANCE / self.shortest)) / sessions
+
+
+def searched(recordings: list) -> list[int]:
+    """Indices of the sessions that are searched together: those of the rate that most have, without any that are much shorter than the
+    others."""
+    groups = [[i for i, r in enumerate(recordings) if abs(r.dt / one.dt - 1.0) < SAME_RATE] for one in recordings]
+    alike = max(groups, key=lambda group: (len(group), sum(len(recordings[i]) for i in group)))
+    usual = np.median([len(recordings[i]) for i in alike])
+    return [i for i in alike if len(recordings[i]) >= SHORT * usual]
+
+
+def not_searched(recordings: list) -> str:
+    """Why lines could not be looked for, or not in all sessions; "" where they were."""
+    together = searched(recordings)
+    shortest = min((recordings[i] for i in together), key=len)
+    if not _asked(len(shortest), shortest.dt).any():
+        return f"the sessions are too short: a line shows where each of them holds {FEWEST_CYCLES} cycles of it"
+    left = [r.name for i, r in enumerate(recordings) if i not in together]
+    where = when(left, [r.name for r in recordings])
+    return f"not looked for {where}: sessions of one rate, and of about one length, are searched together" if left else ""
+
+
+def _asked(samples: int, dt: float) -> np.ndarray:
+    """Mask of the frequencies of a periodogram of so many samples, `dt` s apart, at which lines are looked for."""
+    frequency, seconds = np.fft.rfftfreq(samples, dt), samples * dt
+    return (frequency >= max(LOWEST_HZ, FEWEST_CYCLES / seconds)) & (frequency <= frequency[-1] - 2.0 / seconds)
 
 
 def find_interference(

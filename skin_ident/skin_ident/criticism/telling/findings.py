@@ -17,6 +17,7 @@ from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.dead import apart
 from skin_ident.criticism.telemetry.encoder_noise import DECLARED, undeclared_noise
+from skin_ident.criticism.telemetry.lines import not_searched
 from skin_ident.criticism.telemetry.quantization import no_finer, undeclared_steps
 from skin_ident.criticism.telemetry.symptom import Symptom, sensor_of
 from skin_ident.criticism.telling.by_session import by_session, most_left
@@ -207,7 +208,7 @@ def telemetry_words(recordings: list, given: bool) -> dict[str, str]:
         "outliers": "",
         "dead_taxel": "" if len(recordings[0].taxels) else "there is no taxel in these recordings",
         "data_error": "",
-        "interference": "",
+        "interference": not_searched(recordings),
         "saturation": "",
         "quantization": "",  # except for undeclared steps, see `_steps_seen`
         "noise": "" if noise else "rig.yaml does not declare a noise level",
