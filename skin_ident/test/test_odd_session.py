@@ -90,6 +90,20 @@ def test_a_taxel_that_is_upside_down_in_all_sessions_is_turned_round(count):
     assert all(np.allclose(r.taxels, session(i).taxels) for i, r in enumerate(right))
 
 
+@pytest.mark.parametrize("driven", [False, True], ids=["with a depth", "driven by the force"])
+def test_a_load_cell_that_is_upside_down_in_all_sessions_is_turned_round(driven):
+    made = [replace(r, depth=None) if driven else r for r in sessions(3)]
+    right, (symptom,) = put_right([times("force", -1.0)(r) for r in made])
+    assert (symptom.cause, symptom.where, symptom.evidence["kind"]) == ("data_error", "load_cell", "sign")
+    assert all(np.allclose(r.force, session(i).force) and np.allclose(r.taxels, session(i).taxels) for i, r in enumerate(right))
+
+
+def test_taxels_that_fall_while_a_force_presses_are_upside_down_themselves():
+    right, symptoms = put_right([replace(r, depth=None, taxels=-r.taxels) for r in sessions(3)])
+    assert {s.where for s in symptoms} == {"taxel_0", "taxel_1", "taxel_2"}
+    assert all(np.allclose(r.force, session(i).force) for i, r in enumerate(right))
+
+
 @pytest.mark.parametrize(("order", "moved"), [((2, 1, 0), ("taxel_0", "taxel_2")), ((1, 2, 0), ("taxel_0", "taxel_1", "taxel_2"))])
 def test_columns_in_another_order(order, moved):
     right, (symptom,) = put_right(sessions(4, 3, reordered(order)))

@@ -109,20 +109,29 @@ def _in_newtons(recordings: list) -> tuple[list, list[Symptom]]:
 
 
 def _upright(recordings: list) -> tuple[list, list[Symptom]]:
-    """Taxels that are upside down in all sessions that tell a sign, if most do, with their sign turned."""
+    """Channels that are upside down in all sessions that tell a sign, if most do, with their sign turned."""
     symptoms = []
-    for channel in (c for c in recordings[0].channels if c != "force"):
-        told = told_signs(recordings, channel)
+    for channel in recordings[0].channels:
+        driving = channel == "force" and recordings[0].depth is None
+        told = _of_the_drive(recordings) if driving else told_signs(recordings, channel)
         asked = np.isfinite(told)
         if 2 * asked.sum() > len(told) and max(told[asked]) < AGAINST:
             first = int(np.argmax(asked))
             every = "all sessions" if asked.all() else f"each of the {asked.sum()} sessions whose load moves enough to tell"
-            falls = f"{channel} falls while the load rises in {every} (correlation {told[first]:.2f} in {recordings[first].name})"
+            falls = "force pulls, and the taxels fall while it rises," if driving else f"{channel} falls while the load rises"
+            falls = f"{falls} in {every} (correlation {told[first]:.2f} in {recordings[first].name})"
             evidence = {"why": f"{falls}: its sign is wrong. It is judged with its sign reversed", "kind": "sign"}
             where = sensor_of(channel, len(recordings[0].taxels))
             symptoms.append(Symptom("data_error", where, (channel,), {"factor": quantity(-1.0, "1")}, evidence))
             recordings = [r.scaled({channel: -1.0}) for r in recordings]
     return recordings, symptoms
+
+
+def _of_the_drive(recordings: list) -> np.ndarray:
+    """What tells the sign of a force that drives, for every session (S,): the taxels' correlation with it, by their median, where it pulls
+    more than it presses, as no plunger does; NaN elsewhere."""
+    taxels = [told_signs(recordings, c) for c in recordings[0].channels if c != "force"]
+    return np.where([r.force.min() < -r.force.max() for r in recordings], np.median(taxels, axis=0), np.nan)
 
 
 def _not_in_thousandths(recordings: list) -> tuple[list, list[Symptom]]:
