@@ -206,6 +206,14 @@ def test_a_repeat_is_told_by_where_it_is_and_where_it_was():
     assert (r.at, r.start, r.source, r.origin, r.length) == (1, 400, 0, 100, 100)
 
 
+def test_the_times_of_a_block_are_those_of_the_record():
+    r = with_block(read(session(0)), "force", 1500, 300, 350)
+    (symptom,) = find_copies([replace(r, t=r.t + 1000.0)])
+    start = 1000.0 + 1500 * r.dt
+    assert symptom.parameters["from"]["value"] == pytest.approx(start)
+    assert f"from {start:.2f} s on repeat {r.name} from {start - 350 * r.dt:.2f} s on" in symptom.evidence["why"]
+
+
 def test_a_session_that_is_a_copy_does_not_hide_a_block_in_another():
     first, third = read(session(0)), read(session(1))
     second = replace(first, name="second")

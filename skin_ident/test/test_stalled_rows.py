@@ -33,6 +33,9 @@ def test_rows_that_stand_while_the_plunger_moves_are_told_and_not_believed(tmp_p
     assert (symptom.cause, symptom.where, symptom.evidence["kind"]) == ("data_error", "clock", "repeated rows")
     assert np.flatnonzero(symptom.bad[recordings[1].name, "force"]) == pytest.approx(np.arange(start + 1, start + length))
     assert not find_stalled(recordings[:1])
+    (later,) = find_stalled([replace(r, t=r.t + 1000.0) for r in recordings])
+    since = later.parameters["from"]["value"]
+    assert since == pytest.approx(1000.0 + (start + 1) * recordings[1].dt) and f"from {since:.2f} s on" in later.evidence["why"]
 
 
 def test_a_plunger_that_rests_without_noise_is_no_logger_that_stands():

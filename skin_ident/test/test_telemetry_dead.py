@@ -240,6 +240,9 @@ def test_one_that_is_open_throughout_a_session_is_dead_there_too(since, elsewher
         assert "up to 7.5 s of b and not at all from there to the end, nor anywhere in c" in symptom.evidence["why"]
         assert symptom.evidence["only_in"] == ["b", "c"] and symptom.evidence["pattern"] == "from b on"
         assert symptom.evidence["dead_from_s"] == pytest.approx({"b": 7.5, "c": 0.0}, abs=0.2)
+        (later,) = find_dead_taxels([replace(r, t=r.t + 1000.0) for r in made])
+        assert "up to 1007.5 s of b and not at all from there to the end, nor anywhere in c" in later.evidence["why"]
+        assert later.parameters["since"]["value"] == pytest.approx(1007.5, abs=0.2)
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -8,6 +8,7 @@ import pytest
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.telemetry.odd_session import put_right
 from skin_ident.criticism.telemetry.units import find_unit_faults
+from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.recording import Recording
 
 T = np.arange(3000) / 100.0
@@ -152,3 +153,10 @@ def test_a_factor_of_units_is_found_beside_a_hold():
     recordings = [*map(sines, range(3)), sines(3).scaled({"force": 9.80665}), hold(3.5e-6)]
     for (symptom,) in (find_unit_faults(recordings), put_right(recordings)[1]):
         assert (symptom.channels, symptom.evidence["session"]) == (("force",), "sines_3")
+
+
+def test_the_time_at_which_a_unit_changes_is_that_of_the_record():
+    r = replace(sines(0), declared=Declared(force_step_n=0.02))
+    pounds = np.where(T < 20.0, 1.0, 4.44822) * 0.02 * np.round(r.force / 0.02)
+    (symptom,) = find_unit_faults([replace(r, force=pounds, t=T + 1000.0)])
+    assert "from about 1020.0 s on" in symptom.evidence["why"]

@@ -74,7 +74,7 @@ def number(a: Amount, v: View, like: list | None = None) -> str:
 def _silent(f: Finding) -> list[str]:
     """For a taxel that is dead in some sessions only: in which, and since when."""
     since = {n: finite(s) or 0.0 for n, s in mapping(dict(f.evidence).get("dead_from_s")).items()} if f.partly else {}
-    dying = [f"silent in {n} from {amount(s, 's')} on" for n, s in since.items() if s > 0.0]
+    dying = [f"silent in {n} from {amount(s, 's')} on" for n, s in since.items() if s != 0.0]
     dead = [n for n, s in since.items() if s == 0.0]
     return dying + ([f"throughout {listed(dead)}" if dying else f"silent throughout {listed(dead)}"] if dead else [])
 

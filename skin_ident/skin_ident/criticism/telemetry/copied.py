@@ -195,10 +195,10 @@ def _copy(recordings: list, again: list[Repeat], channels: tuple[str, ...]) -> S
     if whole:
         why = f"{r.name} is a copy of {source.name}{alone}: {first.length} of its {len(r)} samples are the same digit for digit"
     else:
-        since = f"{first.length} samples of {r.name} from {first.start * r.dt:.2f} s on"
-        why = f"{since} repeat {source.name} from {first.origin * source.dt:.2f} s on, digit for digit{alone}"
+        since = f"{first.length} samples of {r.name} from {r.t[first.start]:.2f} s on"
+        why = f"{since} repeat {source.name} from {source.t[first.origin]:.2f} s on, digit for digit{alone}"
         why += f"; so do {len(again) - 1} more" if len(again) > 2 else "; so does another stretch" if len(again) == 2 else ""
-    parameters = {"from": quantity(first.start * r.dt, "s"), "length": quantity(first.length * r.dt, "s")}
+    parameters = {"from": quantity(r.t[first.start], "s"), "length": quantity(first.length * r.dt, "s")}
     bad = {} if whole else {(r.name, c): _repeated(r, k, again) for k, r in enumerate(recordings) for c in channels}
     evidence = {"why": why, "kind": SESSION if whole else "repeated block", "session": r.name}
     where = sensor_of(channels[0], len(r.taxels))

@@ -107,7 +107,7 @@ def _loose(recordings: list, i: int, n: int) -> list[Symptom]:
         return []
     bad = {(r.name, name): m for r, m in zip(recordings, found.lost, strict=True) if m.any()}
     share = float(np.mean(np.concatenate(found.lost)))
-    since = next(np.argmax(m) * r.dt for r, m in zip(recordings, found.lost, strict=True) if m.any())
+    since = next(r.t[np.argmax(m)] for r, m in zip(recordings, found.lost, strict=True) if m.any())
     jumps = f"{name} jumps {found.jumps} times between following the load and {found.level:.3g} N, without a jump of the load"
     where = in_sessions({r for r, _ in bad}, [r.name for r in recordings])
     beside = f", {where['pattern']}" if where else ""
@@ -123,7 +123,7 @@ def _dying(recordings: list, i: int, n: int) -> list[Symptom]:
         start = _death(r, r.taxels[i])
         if start is not None:
             bad[r.name, name] = np.arange(len(r)) >= start
-            when.append(start * r.dt)
+            when.append(r.t[0] + start * r.dt)
     if not bad:
         return _standing(recordings, i, n)
     lived = [(r, _usual(r, i)) for r in recordings if (r.name, name) in bad]
@@ -136,14 +136,15 @@ def _dying(recordings: list, i: int, n: int) -> list[Symptom]:
 
 
 def _silent_since(name: str, recordings: list, bad: dict) -> dict:
-    """Evidence of a finding: in which sessions the taxel is silent, and from what time on in each, s."""
-    since = {r.name: float(np.argmax(mask) * r.dt) for r in recordings if (mask := bad.get((r.name, name))) is not None}
+    """Evidence of a finding: in which sessions the taxel is silent, and from what time on in each, s; 0 where throughout."""
+    masks = {r.name: (r.t, mask) for r in recordings if (mask := bad.get((r.name, name))) is not None}
+    since = {session: 0.0 if mask[0] else float(t[np.argmax(mask)]) for session, (t, mask) in masks.items()}
     return {"dead_from_s": since, **in_sessions(since, [r.name for r in recordings])}
 
 
 def _while_it_lived(since: dict[str, float]) -> str:
     """The sentence's end, session by session: up to when the taxel followed the load, and where it never did."""
-    dying = listed([f"up to {s:.1f} s of {session}" for session, s in since.items() if s > 0.0])
+    dying = listed([f"up to {s:.1f} s of {session}" for session, s in since.items() if s != 0.0])
     dead = listed([session for session, s in since.items() if s == 0.0])
     return f"{dying} and not at all from there to the end{f', nor anywhere in {dead}' if dead else ''}"
 
@@ -166,7 +167,7 @@ def _standing(recordings: list, i: int, n: int) -> list[Symptom]:
     reads = "holds" if np.ptp(dead[0].taxels[i]) == 0.0 else "reads noise about"
     press = f"which press{'es' * (len(dead) == 1)} as hard at the same place"
     elsewhere = f"{reads} {level:.3g} N throughout {listed([r.name for r in dead])}, {press}"
-    since = min((fades[r.name] * r.dt for r, _ in living if r.name in fades), default=0.0)
+    since = min((r.t[0] + fades[r.name] * r.dt for r, _ in living if r.name in fades), default=0.0)
     where = _silent_since(name, recordings, bad)
     return [_symptom(name, n, since, f"{name} follows the load in {living[0][0].name}, and {elsewhere}", "dies", level, bad, where)]
 

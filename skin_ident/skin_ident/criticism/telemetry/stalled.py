@@ -27,11 +27,11 @@ def find_stalled(recordings: list) -> list[Symptom]:
     if not stretches:
         return []
     first, a, b = max(stretches, key=lambda s: s[2] - s[1])
-    why = f"all columns of {first.name} repeat one row for {(b - a) * first.dt:.2f} s from {a * first.dt:.2f} s on, and then jump"
+    why = f"all columns of {first.name} repeat one row for {(b - a) * first.dt:.2f} s from {first.t[a]:.2f} s on, and then jump"
     why += f", as at {counted(len(stretches) - 1, 'other time')}" if len(stretches) > 1 else ""
     channels = (*first.channels, *(["depth"] if first.depth is not None else []))
     bad = {(r.name, c): marked(len(r), ((a, b) for q, a, b in stretches if q is r)) for r in recordings for c in channels}
-    parameters = {"from": quantity(a * first.dt, "s"), "length": quantity((b - a) * first.dt, "s")}
+    parameters = {"from": quantity(first.t[a], "s"), "length": quantity((b - a) * first.dt, "s")}
     evidence = {"why": why, "kind": "repeated rows", "stretches": len(stretches)}
     return [Symptom("data_error", "clock", channels, parameters, evidence, {key: mask for key, mask in bad.items() if mask.any()})]
 

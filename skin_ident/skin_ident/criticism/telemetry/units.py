@@ -79,7 +79,7 @@ def by_grid(recordings: list, channel: str) -> list[Symptom]:
         apart = f"the levels of {channel} are {factor:.5g} times as far apart as in the other sessions"
         why = f"throughout {listed(whole)} {apart}: its unit is another there"
     else:
-        since = f"from about {k * len(r) / PIECES * r.dt:.1f} s on in {r.name}"
+        since = f"from about {r.t[k * len(r) // PIECES]:.1f} s on in {r.name}"
         why, whole = f"{since} the levels of {channel} are {factor:.5g} times as far apart as before: its unit changed", []
     return [_unit(recordings, channel, factor, why, UNIT_CHANGE, whole)]
 
