@@ -210,6 +210,16 @@ def test_a_skin_that_is_left_behind_and_met_again_is_no_loose_contact():
     assert found.evidence["kind"] == "intermittent"
 
 
+@pytest.mark.parametrize("zero", [0.0, 2.0, -2.0])
+def test_a_loose_contact_is_found_whatever_the_taxel_reads_in_the_air(zero):
+    x = 1e-3 * np.maximum(0.5 + np.sin(2.0 * np.pi * 0.5 * T), 0.0)
+    gone = np.sin(2.0 * np.pi * 1.7 * T) < -0.4
+    reading = zero + np.where(gone, 0.0, 1500.0 * x)[None] + np.random.default_rng(4).normal(0.0, 0.01, T.size)
+    (found,) = find_dead_taxels([presses(0, depth=x, force=1e4 * x, taxels=reading)])
+    assert found.evidence["kind"] == "intermittent"
+    assert found.parameters["level"]["value"] == pytest.approx(zero, abs=0.05)
+
+
 def test_steps_declared_in_newtons_say_nothing_of_volts():
     volts = np.round(presses().taxels / 0.01) * 0.001
     sessions = [presses(i, taxels=volts, taxel_units=("V",), declared=Declared(taxel_step_n=(0.01,))) for i in (0, 1)]

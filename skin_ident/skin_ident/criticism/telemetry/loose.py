@@ -13,6 +13,7 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from skin_ident.criticism.telemetry.tails import reach, smallest_step
 from skin_ident.stretches import runs
 
+IDLE = 0.05  # share of the greatest load up to which a channel reads its zero
 LOADED = 0.2  # share of the greatest load below which an open contact loses nothing
 FALLS = 0.6  # share of the expected reading by which it must jump
 CALM = 0.2  # share of the load by which it may itself change near the jump
@@ -40,6 +41,8 @@ def contact_of(rows: list[np.ndarray], loads: list[np.ndarray], dt: float, by_de
     `by_depth`: the loads are depths, which say nothing about skin that the plunger has left behind. The converter's `step` is estimated
     from the readings where it is 0.
     """
+    zero = _zero(rows, loads)
+    rows = [y - zero for y in rows]
     slope, least = _slope(rows, loads), LOADED * max(float(load.max()) for load in loads)
     if slope * least < reach(np.concatenate([np.diff(y) for y in rows]), step or smallest_step(np.concatenate(rows))):
         return None
@@ -66,7 +69,14 @@ def contact_of(rows: list[np.ndarray], loads: list[np.ndarray], dt: float, by_de
     lost = [
         _lost(y, slope * load, level, near, size) | _grown(y, sides, level, wide) for y, load, sides in zip(rows, loads, kept, strict=True)
     ]
-    return Contact(lost, level, len(ways))
+    return Contact(lost, level + zero, len(ways))
+
+
+def _zero(rows: list[np.ndarray], loads: list[np.ndarray]) -> float:
+    """What the channel reads without a load, N; 0 where it is always loaded."""
+    y, load = np.concatenate(rows), np.concatenate(loads)
+    idle = load < IDLE * load.max()
+    return float(np.median(y[idle])) if idle.any() else 0.0
 
 
 def _slope(rows: list[np.ndarray], loads: list[np.ndarray]) -> float:
