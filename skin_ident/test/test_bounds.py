@@ -155,3 +155,15 @@ def test_every_form_that_the_model_imitates_is_left_open():
     p = project((*forms, other), np.hstack([J + 1e-4 * free, J - 1e-4 * free, free]), basis(J), rng.standard_normal(ROWS))
     said = _imitated(p, BY_NAME["dead_zone"], [{"where": "taxel"}])
     assert [entry["form"] for entry in said] == ["", "gradual"]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_form_that_the_model_imitates_to_the_last_digit_is_left_open_too(seed):
+    """Rounding decides whether nothing or next to nothing of it is left."""
+    form, other = Direction(TaxelDeadZone("taxel"), "threshold", 1.0, 1), Direction(Backlash("rig"), "gap", SIZES["backlash"], 1)
+    rng = np.random.default_rng(seed)
+    J, free = rng.standard_normal((2, ROWS, 1))
+    p = project((form, other), np.hstack([J, free]), basis(J), rng.standard_normal(ROWS))
+    assert _imitated(p, BY_NAME["dead_zone"], [{"where": "taxel"}])
+    silent = project((form, other), np.hstack([0.0 * J, free]), basis(J), rng.standard_normal(ROWS))
+    assert not _imitated(silent, BY_NAME["dead_zone"], [{"where": "taxel"}])

@@ -55,7 +55,7 @@ class Projected:
     grams: dict[Key, np.ndarray]
     energies: np.ndarray  # of each direction
     product: np.ndarray
-    left: np.ndarray  # share of each direction's energy that the model cannot imitate
+    left: np.ndarray  # share of each direction's energy that the model cannot imitate; 0 only for a direction that does nothing
     energy: float  # of the residual
     rows: int
     leading: np.ndarray  # (L,) indices
@@ -77,7 +77,7 @@ def project(which: tuple[Direction, ...], A: np.ndarray, Q: np.ndarray, r: np.nd
 
     before = np.einsum("ij,ij->j", A, A)
     after = np.maximum(before - np.einsum("ij,ij->j", imitated, imitated), 0.0)
-    left = np.where(before > 0, after / np.where(before > 0, before, 1.0), 0.0)
+    left = np.where(before > 0, np.maximum(after / np.where(before > 0, before, 1.0), np.finfo(float).eps), 0.0)
     product = A.T @ r
     causes = _by_cause(which)
     grams = {key: products(index) for key, index in causes.items()}
