@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from skin_ident.cli.diagnose import apart
+from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.one_rig import of_one_rig
 from skin_ident.criticism.telemetry.bursts import told_of_bursts
@@ -208,6 +209,21 @@ def test_a_skin_that_is_left_behind_and_met_again_is_no_loose_contact():
     loose = np.where(gone, 0.0, 1500.0 * x)[None] + np.random.default_rng(4).normal(0.0, 0.01, T.size)
     (found,) = find_dead_taxels([presses(0, depth=x, force=None, taxels=loose)])
     assert found.evidence["kind"] == "intermittent"
+
+
+@pytest.mark.parametrize(("zero", "warned"), [(0.0, False), (0.05, False), (1.0, True), (-1.0, True), (20.0, True)])
+def test_a_driving_force_that_starts_far_from_zero_is_asked_about(zero, warned):
+    sound = presses()
+    r = doubted(replace(sound, depth=None, force=sound.force + zero))
+    assert any("tare" in w for w in r.warnings) == warned
+    assert not doubted(replace(sound, force=sound.force + zero)).warnings, "the depth drives"
+
+
+def test_a_load_cell_that_is_upside_down_was_tared_all_the_same():
+    turned = [replace(r, depth=None, force=-r.force) for r in (presses(0), presses(1), presses(2))]
+    found = diagnose(turned[:2], turned[2:]).findings
+    assert ("data_error", "load_cell") in {(f["cause"], f["where"]) for f in found["findings"]}
+    assert not any("tare" in w for w in found["warnings"])
 
 
 @pytest.mark.parametrize("zero", [0.0, 2.0, -2.0])

@@ -24,6 +24,7 @@ IN_CONTACT = 0.05  # least share of the samples in contact
 SHALLOW = 0.85  # the depth is refused if it never falls below this share of its maximum,
 VANISHED = 0.1  # while the load there falls below this share: a skin would need a force that grows with the 14th power of the depth
 DOUBTED, GONE = 0.3, 0.05  # the same two shares for a warning only
+TARED = 0.1  # share of its range within which the least driving force is about zero
 SHALLOWEST, DEEPEST = 5.0, 95.0  # percentiles that stand for minimum and maximum
 ABOUT, RUNS, STAYS = 0.02, 0.1, 0.05  # shares of the greatest depth or force: about zero, range of what moves, range of what rests
 FEWEST = 40  # samples in the common band, at least; the noise model predicts from the last eight
@@ -144,14 +145,24 @@ def warned_first(recordings: list, warnings: Iterable[str]) -> list:
 
 
 def doubted(r):
-    """The recording, with a warning if the load is already gone at a third of the greatest depth: the zero of the depth may be wrong."""
+    """The recording, with a warning if the load is already gone at a third of the greatest depth, or if a force that drives starts far from
+    zero: the zero of what drives the test may be wrong."""
     if r.depth is None:
-        return r
+        return _tare_doubted(r)
     least, most = np.percentile(r.depth, [SHALLOWEST, DEEPEST])
     if least < DOUBTED * most or _left(r, least, most) > GONE:
         return r
     said = f"the depth never falls below {1e3 * least:.3g} mm, and there the load is already zero: the zero of depth may not be the surface"
     return r.warned(f"{said}, and then stiffness and curvature are wrong; zero the depth where the plunger touches the skin")
+
+
+def _tare_doubted(r):
+    """The recording of a test that a force drives, with a warning if that force starts far from zero."""
+    least, most = np.percentile(r.force, [SHALLOWEST, DEEPEST])
+    if abs(least) <= TARED * (most - least):
+        return r
+    said = f"the force that drives the test starts from {least:.3g} N: if nothing presses there, the load cell was not tared"
+    return r.warned(f"{said}, and causes may be named that are not there; subtract what it reads in the air")
 
 
 def _has_both_sides(r) -> None:
