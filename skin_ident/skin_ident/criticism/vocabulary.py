@@ -120,7 +120,7 @@ CAUSES: tuple[Cause, ...] = (
     Cause(
         "backlash",
         "depth is lost at every reversal",
-        "preload the stage, or always approach from the same side",
+        "preload the stage, look for slack between encoder and plunger, or always approach from the same side",
         "reversals in contact with small and large strokes",
     ),
     Cause(
