@@ -7,7 +7,8 @@ import pytest
 
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.telemetry.odd_session import put_right
-from skin_ident.criticism.telemetry.units import find_unit_faults
+from skin_ident.criticism.telemetry.units import by_grid, find_unit_faults
+from skin_ident.criticism.vocabulary import UNIT_FACTOR
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.recording import Recording
 
@@ -160,3 +161,13 @@ def test_the_time_at_which_a_unit_changes_is_that_of_the_record():
     pounds = np.where(T < 20.0, 1.0, 4.44822) * 0.02 * np.round(r.force / 0.02)
     (symptom,) = find_unit_faults([replace(r, force=pounds, t=T + 1000.0)])
     assert "from about 1020.0 s on" in symptom.evidence["why"]
+
+
+def test_levels_of_a_tenth_of_the_declared_step_are_of_an_amplifier_that_averages():
+    def found(factor: float) -> list:
+        apart, noise = 0.004, np.random.default_rng(4).normal(scale=0.05, size=(2, T.size))
+        rounded = [replace(sines(i), force=apart * np.round(row / apart)) for i, row in enumerate(noise)]
+        return by_grid([replace(r, declared=Declared(force_step_n=apart / factor)) for r in rounded], "force")
+
+    assert found(0.1) == [] and found(1.0) == []
+    assert [s.evidence["kind"] for s in (*found(4.44822), *found(0.0980665))] == [UNIT_FACTOR] * 2
