@@ -9,7 +9,6 @@ from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.courses.carriers import DRIVE, carried
 from skin_ident.criticism.diagnose import diagnose
-from skin_ident.criticism.record import inspect
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.criticism.telemetry.pile_up import find_saturated_drive
 from skin_ident.recordings.declared import Declared
@@ -96,20 +95,3 @@ def test_a_force_that_never_moves_is_not_clipped():
     t = 0.01 * np.arange(2000)
     held = Recording("held", t, None, np.full(t.size, 10.0), 5.0 + 0.01 * np.random.default_rng(0).standard_normal((1, t.size)))
     assert not find_saturated_drive([held], [held.force])
-
-
-@pytest.mark.parametrize("spikes", [0, 6])
-def test_only_spikes_are_spikes_of_a_force_that_comes_and_goes(spikes):
-    """Slow sines that swell and fade, with 10 mN of noise: on a slope a running median is the sample itself."""
-
-    def swelling(seed: int) -> Recording:
-        rng, t = np.random.default_rng(seed), 0.01 * np.arange(6000)
-        force = 10.0 + 3.0 * np.sin(np.pi * t + seed) * np.sin(0.06 * np.pi * t + seed)
-        y = np.array([force, 0.5 * force]) + 0.01 * rng.standard_normal((2, t.size))
-        y[0, rng.integers(100, 5900, spikes)] += 0.3
-        return Recording(f"session_{seed}", t, None, y[0], y[1:])
-
-    for seed in range(0, 9, 3):
-        found = [s for s in inspect([swelling(seed + k) for k in range(3)]).symptoms if s.cause == "outliers"]
-        assert [s.where for s in found] == ["load_cell"] * bool(spikes)
-        assert all(sum(mask.sum() for mask in s.bad.values()) > 0.8 * 3 * spikes for s in found)

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import median_filter
-from scipy.signal import savgol_filter
 
 from skin_ident.criticism.array.spreading import with_believed_spread
 from skin_ident.criticism.baseline.fitting import fit, noise_of
@@ -33,7 +32,7 @@ from skin_ident.criticism.telemetry.units import find_unit_faults
 from skin_ident.stretches import runs
 from skin_models.model import Model
 
-TREND = 25  # samples of the running median of a force, and of the parabolas through it that are taken for the true one
+TREND = 25  # samples of the running median that is taken for the true force
 LOST = 0.5  # share of all samples in which a taxel must be dead to be given up
 HARMLESS = 3  # samples of depth that may be bridged by a straight line with an error well below the noise in the band
 
@@ -162,13 +161,12 @@ def _stuck(symptoms) -> dict[str, float]:
 
 
 def _in_the_drive(recordings: list) -> list[Symptom]:
-    """Faults of the force that drives a test without depth, since no simulation predicts it: spikes against its running median, smoothed,
-    and a level at which it stays while a taxel goes on."""
+    """Faults of the force that drives a test without depth, since no simulation predicts it: spikes against its running median, and a level
+    at which it stays while a taxel goes on."""
     if recordings[0].depth is not None:
         return []
     forces = [r.force[None] for r in recordings]
-    # On a slope the median is mostly the sample itself, noise and all: against it alone, noise shows where the slope ends, like spikes.
-    rest = [y - savgol_filter(median_filter(y, (1, TREND)), TREND, 2, mode="nearest") for y in forces]
+    rest = [y - median_filter(y, (1, TREND)) for y in forces]
     at_rest = [np.ones(len(r), bool) for r in recordings]  # a force that is held constant is not frozen
     said = [Said(r.name, e, y, j, recording=r) for r, e, y, j in zip(recordings, rest, forces, at_rest, strict=True)]
     step = max(r.step("force") or 0.0 for r in recordings)
