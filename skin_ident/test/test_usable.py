@@ -237,7 +237,7 @@ def test_a_loose_contact_is_found_whatever_the_taxel_reads_in_the_air(zero):
 
 
 def test_steps_declared_in_newtons_say_nothing_of_volts():
-    volts = np.round(presses().taxels / 0.01) * 0.001
+    volts = np.round(presses().taxels / 0.01) * 0.0444822
     sessions = [presses(i, taxels=volts, taxel_units=("V",), declared=Declared(taxel_step_n=(0.01,))) for i in (0, 1)]
     assert find_unit_faults(sessions) == [] and find_quantization(sessions) == []
     newtons = [replace(r, taxel_units=("N",)) for r in sessions]
