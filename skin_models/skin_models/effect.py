@@ -60,6 +60,7 @@ class Effect(ABC):
     refines: ClassVar[type | None] = None  # the form that this one equals when it is small; it is tried as its replacement
     proposed: ClassVar[bool] = True  # False: it can be simulated, but no diagnosis proposes it as a cause
     only_if_shown: ClassVar[bool] = False  # proposed only where recordings themselves show the cause: elsewhere it stands in for others
+    supple: ClassVar[bool] = False  # bends into other causes: one alone of its own cause, and no part of what noise is told from
 
     where: str
 

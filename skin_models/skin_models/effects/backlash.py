@@ -109,6 +109,7 @@ class SlackEncoder(Dynamic):
     form: ClassVar[str] = "encoder"
     places: ClassVar = {"rig": Place.DEPTH}
     source: ClassVar[str] = "Nordin and Gutman 2002, the other way round"
+    supple: ClassVar[bool] = True
 
     gap: float = quantity("m", 0.0, lower=0.0, upper=5e-3, typical=0.1e-3, scan=(2e-6, 20e-6), doc="whole depth that the reading loses")
     distance: float = quantity(

@@ -19,7 +19,6 @@ from skin_ident.criticism.vocabulary import Key
 from skin_models.catalogue import effects
 from skin_models.dispersion import Dispersion
 from skin_models.effect import Effect
-from skin_models.effects.backlash import SlackEncoder
 from skin_models.effects.eyring_relaxation import EyringRelaxation
 from skin_models.effects.hysteresis import LoadedHysteresis
 from skin_models.effects.stress_relaxation import StressRelaxation
@@ -245,7 +244,7 @@ def _adds(d: Direction, model: Model) -> bool:
     """Whether another instance could add anything new: two delays are one delay, but two relaxation times are two. An encoder hangs on one
     coupling: several, or one beside play of the drive, bend into a law of damping."""
     own = model.having(d.key)
-    if any(isinstance(e, SlackEncoder) for e in (d.effect, *own)):
+    if any(e.supple for e in (d.effect, *own)):
         return not own
     return _shaped(d.effect) or not any(type(d.effect) in (type(e), e.refines) for e in own)
 

@@ -19,7 +19,6 @@ from skin_ident.criticism.search.proposals import Direction, between
 from skin_ident.criticism.search.ranking import Projected, Ranked, project, rank
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import AT_FULL_RATE, Key
-from skin_models.effects.backlash import SlackEncoder
 from skin_models.model import Model
 
 FORMS = 5  # directions per cause that may mend its form, of either sign, since a form may have too much of something as well
@@ -149,7 +148,7 @@ def _offered(which: tuple[Direction, ...], own: int, rows: int) -> np.ndarray:
     session's own. Large amounts of the same causes would be counted twice, and so would play of the encoder, of which laws of damping and
     loops explain nearly as much."""
     offered = np.ones(rows, bool)
-    offered[own : own + len(which)] = [d.probe < 1.0 and not isinstance(d.effect, SlackEncoder) for d in which]
+    offered[own : own + len(which)] = [d.probe < 1.0 and not d.effect.supple for d in which]
     return offered
 
 
