@@ -287,7 +287,7 @@ def test_a_model_with_it_steps_as_it_simulates(cls, where):
 
 def test_an_unknown_cause_place_or_form_is_named_with_what_there_is():
     for wrong in (("lag", "moon"), ("lag", "taxel", "third_order")):
-        with pytest.raises(ModelError, match=r"no effect models .* known: lag \(taxel, load_cell\); lag of the form one_sided"):
+        with pytest.raises(ModelError, match=r"no effect models .* known: lag \(taxel, load_cell\); lag of the form averaged"):
             effect_class(*wrong)
     with pytest.raises(ModelError, match=r"no effect models 'magic' in 'skin'; known: adhesion, anisotropy, .*time_shift$"):
         effect_class("magic", "skin")

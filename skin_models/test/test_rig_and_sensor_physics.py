@@ -13,7 +13,7 @@ from skin_models.effects.crosstalk import Crosstalk
 from skin_models.effects.drift import Creep, LogDrift, LogGainDrift
 from skin_models.effects.gain_error import GainStep
 from skin_models.effects.hysteresis import LoadedSensorHysteresis, SensorHysteresis
-from skin_models.effects.lag import Lag, OneSidedLag, SecondOrderLag
+from skin_models.effects.lag import AveragedLag, Lag, OneSidedLag, SecondOrderLag
 from skin_models.effects.mount_compliance import JointedMount, MountCompliance, PowerMount
 from skin_models.effects.quantization import SensorQuantization
 from skin_models.effects.time_shift import Scanning, SkewedClock, TimeShift
@@ -90,6 +90,16 @@ def test_a_lag_follows_a_ramp_at_its_time_constant():
     t, tau = np.arange(0.0, 2.0, 0.01), 0.1
     out = Lag(where="load_cell", tau=tau).batch(3.0 * t, at_times(np.zeros(t.size), 0.01))
     assert out == pytest.approx(3.0 * (t - tau * -np.expm1(-t / tau)), abs=1e-12)
+
+
+@pytest.mark.parametrize("tau", [0.0004, 0.0125, 0.0333])
+def test_an_average_is_late_by_half_its_window_and_takes_out_what_fits_into_it(tau):
+    lag = AveragedLag(where="load_cell", tau=tau)
+    t = np.arange(1000) * 1e-3
+    ramp, hum = np.array([[0.0]]) + t, np.sin(2 * np.pi * t / (2 * tau))[None]
+    np.testing.assert_allclose(lag.batch(ramp, at_times(t))[0, 100:], t[100:] - tau, atol=1e-12)
+    if tau > 2e-3:  # sampled finely enough to be drawn by straight lines
+        assert np.abs(lag.batch(hum, at_times(t))[0, 100:]).max() < 0.01
 
 
 def test_a_one_sided_lag_follows_a_ramp_up_sooner_than_one_down():

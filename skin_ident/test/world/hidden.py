@@ -27,7 +27,7 @@ RIVALS = {
 }
 
 
-ONLY_ASKED = ("pressed", "slack_encoder", "dragged_encoder")  # forms that are not drawn: with them, earlier seeds would hide something else
+ONLY_ASKED = ("pressed", "slack_encoder", "dragged_encoder", "averaged")  # not drawn: with them, earlier seeds would hide something else
 
 
 @dataclass(frozen=True)

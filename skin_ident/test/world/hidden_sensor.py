@@ -120,6 +120,17 @@ def _lag_two(c):
     return Sensor(c, lambda y, fine, a, rng: _low_pass(_low_pass(y, fine.dt, 0.014 * a), fine.dt, 0.014 * ratio * a))
 
 
+def _lag_averaged(c):
+    """An amplifier that returns the mean of its last readings."""
+
+    def mean(y, fine, a, rng):
+        n = max(1, round(0.04 * a / fine.dt))
+        sums = np.cumsum(np.concatenate([np.full(n, y[0]), y]))
+        return (sums[n:] - sums[:-n]) / n
+
+    return Sensor(c, mean)
+
+
 def _lag_partial(c):
     """Most of the signal is prompt, a part comes late: a sensor that creeps after its load."""
     part, slow = c.rng.uniform(0.4, 0.7), c.rng.uniform(1.0, 3.0)
@@ -240,7 +251,7 @@ FORMS = {
     },
     "saturation": {"hard": _clip_hard, "soft": _clip_soft, "leaky": _clip_leaky},
     "quantization": {"round": Steps, "cut": lambda c: Steps(c, cut=True)},
-    "lag": {"one_pole": _lag_one, "two_pole": _lag_two, "partial": _lag_partial, "one_sided": _lag_one_sided},
+    "lag": {"one_pole": _lag_one, "two_pole": _lag_two, "averaged": _lag_averaged, "partial": _lag_partial, "one_sided": _lag_one_sided},
     "hysteresis": {"preisach": _loop("preisach"), "bouc_wen": _loop("bouc_wen"), "sliders": _loop("sliders"), "pressed": _loop("pressed")},
     "time_shift": {"delay": Late, "skew": lambda c: Late(c, "skew"), "buffer": lambda c: Late(c, "buffer")},
     "crosstalk": {"neighbour": Crosstalk, "common": lambda c: Crosstalk(c, "common"), "smeared": lambda c: Crosstalk(c, "smeared")},

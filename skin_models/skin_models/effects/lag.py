@@ -1,8 +1,9 @@
-"""Lag: a sensor follows its input as a filter of first or of second order.
+"""Lag: a sensor follows its input as a filter of first or of second order, or averages it.
 
     first order      tau z' + z = y,                                    y' = z
     second order     (tau / 2 zeta)^2 z'' + tau z' + z = y,             y' = z        zeta = 1 / sqrt 2: Butterworth; 1: two equal poles
     in part          T z' + z = y,                         y' = y + tau / T (z - y)   0 <= tau <= T: the rest of it is prompt
+    averaged         z(t) = 1/W int_(t - W)^t y,  W = 2 tau             y' = z        as many amplifiers do
     one-sided        tau r^(-1/2) z' + z = y where y > z, tau r^(1/2) z' + z = y elsewhere,      y' = z        r > 1: slow to recover
 
 All start at rest, z(0) = y(0), and are late by tau for slow inputs; tau = 0 is the identity. The steps are exact for an input that is
@@ -11,6 +12,7 @@ linear between samples (first-order hold). Of first order:
     z[n] = e z[n-1] + (g - e) y[n-1] + (1 - g) y[n],        e = exp(-dt / tau),  g = (1 - e) tau / dt.
 
 Sources: G. F. Franklin, J. D. Powell, M. L. Workman, Digital Control of Dynamic Systems, 3rd ed., Addison-Wesley 1998, section 6.3.2;
+S. W. Smith, The Scientist and Engineer's Guide to Digital Signal Processing, California Technical Publishing 1997, ch. 15 (averages);
 N. W. Tschoegl, The Phenomenological Theory of Linear Viscoelastic Behavior, Springer 1989, ch. 3 (a soft layer over a sensor);
 S. El-Molla et al., Journal of Sensors (2016) 1736169 (capacitive films that take seconds to recover).
 """
@@ -22,6 +24,7 @@ import numpy as np
 from scipy.signal import lfilter, lfilter_zi
 
 from skin_models.effect import Dynamic, Place
+from skin_models.operators.averaging import averaged, averaged_step
 from skin_models.operators.lagging import in_part, lagged, lagged_either_way, lagged_step, lagged_step_either_way, second_order_factors
 from skin_models.parameter import PROMPT, SHAPE, quantity
 from skin_models.signals import Motion, Sample
@@ -87,6 +90,33 @@ class SecondOrderLag(Dynamic):
         b, a = second_order_factors(self.tau, self.damping, s.dt).filter
         z, _ = lfilter(b, a, mine, zi=lfilter_zi(b, a) * mine[..., :1])
         return self.put_back(y, z)
+
+
+@dataclass(frozen=True)
+class AveragedLag(Dynamic):
+    """The mean of what a sensor felt in the last 2 tau, which many amplifiers return to be rid of noise and of mains."""
+
+    cause: ClassVar[str] = "lag"
+    form: ClassVar[str] = "averaged"
+    places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
+    source: ClassVar[str] = "Smith 1997, ch. 15"
+    proposed: ClassVar[bool] = False
+    refines: ClassVar[type] = Lag
+
+    tau: float = quantity("s", 0.0, lower=0.0, upper=2.0, typical=0.05, negligible=PROMPT, doc="delay: half the window of the average")
+
+    def initial(self, rng=None) -> None:
+        """None: the first sample is taken as rest. From then on the state is the samples that the window touches, N."""
+        return None
+
+    def step(self, state, y, s: Sample, dt: float):
+        """The mean of the last 2 tau."""
+        state, z = averaged_step(state, self.mine(y), 2.0 * self.tau, dt)
+        return state, self.put_back(y, z)
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same from sums over the whole recording."""
+        return self.put_back(y, averaged(self.mine(y), 2.0 * self.tau, s.dt))
 
 
 @dataclass(frozen=True)
