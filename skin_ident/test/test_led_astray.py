@@ -41,6 +41,20 @@ def test_poor_records_are_sound(tmp_path, name):
     assert diagnose(recordings[:2], recordings[2:]).findings["findings"] == []
 
 
+@pytest.mark.parametrize("seed", rows([9302, 9101], 1))
+def test_an_amplifier_that_averages_lags_and_its_mount_does_not_give(tmp_path, seed):
+    """The mean of ten readings is no filter of two poles, whose rest had passed for a mount."""
+
+    def averaged(force):
+        return np.convolve(np.concatenate([np.full(9, force[0]), force]), np.full(10, 0.1), "valid")
+
+    sessions, _ = make_sessions([], n_taxels=1 + seed % 2, seed=seed)
+    write_case([replace(s, force=averaged(s.force)) for s in sessions], tmp_path)
+    recordings = load(tmp_path)
+    (found,) = diagnose(recordings[:2], recordings[2:]).findings["findings"]
+    assert (found["cause"], found["where"]) == ("lag", "load_cell") and found["evidence"]["forms"] == ["AveragedLag"]
+
+
 def test_held_out_data_speak_against_a_cause_only_where_no_error_falls():
     """Neither the likelihood nor the plain error falls beyond doubt: of one that does the other may be another day's skin."""
     worse = replace(QUICK, relative=-0.02)
