@@ -52,6 +52,7 @@ from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.telemetry.quantization import depth_resolution, find_buried, in_uneven_steps
 from skin_ident.criticism.telemetry.remaining import remains
 from skin_ident.criticism.telemetry.symptom import Symptom
+from skin_ident.criticism.telemetry.untared import tared
 from skin_ident.criticism.telling.alike import in_all_taxels
 from skin_ident.criticism.telling.findings import Experiments, as_findings
 from skin_ident.criticism.telling.judging import judge
@@ -107,12 +108,13 @@ def diagnose(
     every = of_one_rig(every)
     are_other_data(recordings, hold_out)
     something_moves(every[: len(recordings)])
+    every, untared = tared(every)
     every, odd = put_right(every)
     every = in_sound_units([doubted(r) for r in every], model, twins)
     layout = layout_of(every, model)
     every, exchanged = columns_put_right(every, layout)
     every = with_spread(every, layout)
-    known = _Known(known_mass(every[0].declared), len(recordings), (*odd, *exchanged), layout)
+    known = _Known(known_mass(every[0].declared), len(recordings), (*untared, *odd, *exchanged), layout)
     if len(every[0].taxels) > FEW:
         if twins:
             raise DiagnosisError(f"a twin of {len(every[0].taxels)} taxels cannot be compared at once: name {FEW} or fewer with --taxels")
@@ -126,7 +128,7 @@ def diagnose(
 @dataclass(frozen=True)
 class _Known:
     """What is known before the search: the mass of the skin, the number of training sessions (the first ones), odd sessions and columns
-    that were corrected (`odd`), and the layout of the taxels, or why there is none."""
+    that were corrected, and a load cell that was tared (`odd`), and the layout of the taxels, or why there is none."""
 
     mass: KnownMass
     training: int

@@ -14,6 +14,7 @@ from skin_ident.criticism.pattern import listed
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.telemetry.more_than_applied import in_newtons
 from skin_ident.criticism.telemetry.still import is_still
+from skin_ident.criticism.telemetry.untared import starts_far_from_zero
 from skin_ident.quality import FAR_TOO_MUCH, HARD, SOFT, far_too_little, impossible, most_felt, too_little
 from skin_ident.recordings.assemble import counts_seconds
 from skin_ident.recordings.repeated import same
@@ -24,7 +25,6 @@ IN_CONTACT = 0.05  # least share of the samples in contact
 SHALLOW = 0.85  # the depth is refused if it never falls below this share of its maximum,
 VANISHED = 0.1  # while the load there falls below this share: a skin would need a force that grows with the 14th power of the depth
 DOUBTED, GONE = 0.3, 0.05  # the same two shares for a warning only
-TARED = 0.1  # share of its range within which the least driving force is about zero
 SHALLOWEST, DEEPEST = 5.0, 95.0  # percentiles that stand for minimum and maximum
 ABOUT, RUNS, STAYS = 0.02, 0.1, 0.05  # shares of the greatest depth or force: about zero, range of what moves, range of what rests
 FEWEST = 40  # samples in the common band, at least; the noise model predicts from the last eight
@@ -158,9 +158,9 @@ def doubted(r):
 
 def _tare_doubted(r):
     """The recording of a test that a force drives, with a warning if that force starts far from zero."""
-    least, most = np.percentile(r.force, [SHALLOWEST, DEEPEST])
-    if abs(least) <= TARED * (most - least):
+    if not starts_far_from_zero(r.force):
         return r
+    least = np.percentile(r.force, SHALLOWEST)
     said = f"the force that drives the test starts from {least:.3g} N: if nothing presses there, the load cell was not tared"
     return r.warned(f"{said}, and causes may be named that are not there; subtract what it reads in the air")
 

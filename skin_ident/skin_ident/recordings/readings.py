@@ -46,6 +46,10 @@ class Readings:
         """The readings multiplied by a factor."""
         return replace(self, y=factor * self.y)
 
+    def lowered(self, zero: float) -> "Readings":
+        """The readings less a constant."""
+        return replace(self, y=self.y - zero)
+
     def spanned(self, wrong: np.ndarray, t: np.ndarray) -> np.ndarray:
         """A mask of the instants t (N,) that depend on `wrong` readings (mask (M,)): those between the good readings around them."""
         out = np.zeros(t.size, bool)

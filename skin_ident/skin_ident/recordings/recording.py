@@ -139,6 +139,12 @@ class Recording:
         larger = self.with_channels({name: f * self._row(name) for name, f in factors.items()})
         return replace(larger, steps=steps, digits=self.digits, readings=readings)  # readings that differed still differ
 
+    def lowered(self, zeros: Mapping[str, float]) -> "Recording":
+        """The recording with constants subtracted from some of `depth`, `force`, `taxel_0`, …, in m or N."""
+        readings = {name: own.lowered(zeros.get(name, 0.0)) for name, own in self.readings.items()}
+        less = self.with_channels({name: self._row(name) - zero for name, zero in zeros.items()})
+        return replace(less, steps=self.steps, digits=self.digits, readings=readings)
+
     @property
     def longest_period(self) -> float:
         """The sampling period, or the longest period of a channel's own readings where that is longer, s."""
