@@ -101,6 +101,12 @@ def test_zeros_within_a_step_are_nothing_wrong():
     assert findings["findings"] == []
 
 
+def test_a_zero_that_a_tare_leaves_in_all_fitted_sessions_alone_is_nothing_wrong():
+    """It had been named with the sessions that have it, which the held-out one lacks."""
+    made = [_read(r, np.array([0.0, zero]), r.name) for r, zero in zip(sessions(scale=0.0), (0.012, 0.012, 0.0), strict=True)]
+    assert diagnose(made[:2], made[2:]).findings["findings"] == []
+
+
 def test_what_is_left_within_half_a_step_is_no_riddle():
     """As much as is left of a load cell read in steps of 19 mN may be its tare, and is none of one read in steps of 5 mN."""
     told = Rest(fall=0.19, lower=0.1, before=9.8e-3, after=8.6e-3, resolution=RESOLVED * 19e-3, seconds=26.0)

@@ -20,6 +20,7 @@ from skin_ident.criticism.search.partly import COIN, lacks, with_lacking
 from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import Survey
+from skin_ident.criticism.search.tared import take_tare
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session
 
@@ -44,10 +45,13 @@ def take_where_held(search: Search, last: Survey, best: float, trials: list[Tria
         if believed or (not asked and _believed(search, trial, trials, runs, [])):
             search.doubts[trial.key] = absent(free)
         return False
+    fitted, named = believed
+    named = replace(named, only=tuple(s.name for s in (*search.train, *having)), free=free)
+    if take_tare(search, named):
+        return True
     search.held = with_lacking(search.held, trial.key, free)
     search.end_round(last, trial.key[0])
-    fitted, named = believed
-    search.accept(fitted, replace(named, only=tuple(s.name for s in (*search.train, *having)), free=free))
+    search.accept(fitted, named)
     return True
 
 

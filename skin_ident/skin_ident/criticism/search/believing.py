@@ -39,6 +39,7 @@ LEFT = 0.02  # share of what a named cause explains at the same place, which its
 FAINT = 0.012  # share of the fall in squares by others that it must exceed as well to be named: more than a ninth of their size
 FAR_LESS = 0.6  # share of the score of a trial that held-out data nearly support; one with less is not believed in its place
 SMALL, OF_ITS_OWN = 0.3, 0.1  # a trial below SMALL of what a named cause explains must explain OF_ITS_OWN that more of the named would not
+KIN = 0.1  # share of what the same cause explains at another place, in the same channel, which its imperfect form may leave for a trial
 WIDE, NEARLY = 0.2, 0.95  # a rival, too, explains all but WIDE, where its held-out gain is at least NEARLY that of the best
 
 
@@ -71,7 +72,7 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
             nearly = max(nearly, trial.score * (gain.lower > 0.0 and sized(trial)))
             continue
         shadow = not itself or (trial.key not in known and gain.squares < FAINT * search.fallen(gain.channel))
-        if shadow or _mends_a_form(search, trial):
+        if shadow or _mends_a_form(search, trial, gain):
             if trial.score > reach(trials[0].score):
                 search.doubts[trial.key] = (shadowed if shadow else mending)(gain, search.named)
             continue
@@ -129,10 +130,13 @@ def _explained_at(search: Search, where: str) -> float:
     return max((n.explained for n in search.named if n.where == where), default=0.0)
 
 
-def _mends_a_form(search: Search, trial: Trial) -> bool:
+def _mends_a_form(search: Search, trial: Trial, gain: Gain) -> bool:
     """Whether a trial is small and explains little that more of the named causes would not. Soft play, fitted as hard play, leaves a
-    loop."""
+    loop; and a loop of the load cell, whose form is never exact, leaves a far smaller one that the skin's form may mend."""
     others = {n.key for n in search.named}
+    kin = [n.explained for n in search.named if n.cause == trial.key[0] and n.key != trial.key and n.gain.channel == gain.channel]
+    if trial.score < KIN * max(kin, default=0.0):
+        return True
     small = trial.score < SMALL * max((n.explained for n in search.named), default=0.0)
     return bool(others) and small and trial.key not in others and search.survey().of_its_own(trial.key, others) < OF_ITS_OWN
 

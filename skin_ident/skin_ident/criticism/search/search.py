@@ -30,6 +30,7 @@ from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.search.unstuck import unstuck
 from skin_ident.criticism.search.wandering import take_wave
 from skin_ident.criticism.search.weighing import hang, hung_mass, may_wait, other_mass, unveils, weigh, weighs
+from skin_ident.criticism.search.zero_of_play import is_zero_of_play
 
 GOOD_PART = 0.25  # share of what refused causes explain, from which skin parameters go before two causes that hide each other
 PASSES = 40  # rounds at most; some name nothing and only mend the baseline, and searches settle long before
@@ -96,7 +97,7 @@ def _take_believed(search: Search, look: _Look) -> bool:
     if own and not take_tare(search, own[1]):
         search.end_round(look.survey, own[1].cause)
         take_course(search, *own)
-    elif shared and not (take_tare(search, shared[1]) or unstuck(search, *shared)):
+    elif shared and not (take_tare(search, shared[1]) or unstuck(search, *shared) or is_zero_of_play(search, shared[1])):
         search.end_round(look.survey, shared[1].cause)
         after, finding = shared
         search.accept(after, _beside_dropped(search, look.survey, beside_zeros(search, finding)))

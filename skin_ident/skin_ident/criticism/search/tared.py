@@ -114,7 +114,7 @@ def taken_off(sessions: list[Session], values: dict[str, np.ndarray]) -> list[Se
 def _shared(search: Search, finding: Named) -> Zeros:
     """The zero that a finding gives to all sessions alike, where it is no larger than tares may leave it. Sessions that are each tared
     share only a small one."""
-    if finding.cause != FORCE_OFFSET or finding.model is None:
+    if finding.cause != FORCE_OFFSET or finding.model is None or finding.free:
         return {}
     offset = _offset_of(finding.model, finding) - _offset_of(finding.before, finding)
     channels = search.train[0].channels
