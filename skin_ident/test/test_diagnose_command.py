@@ -154,6 +154,15 @@ def test_a_model_in_a_folder_without_an_answer_is_somebodys_own(tmp_path):
     assert (tmp_path / "model.yaml").read_text() == "mine"
 
 
+@pytest.mark.parametrize("name", ["model.yaml", "baseline.yaml", "report.html"])
+def test_it_is_not_written_over(command, tmp_path, name):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / name).write_text("mine")
+    done = command(write_table(tmp_path / "session_1.csv", R), out=tmp_path / "mine")
+    assert done.status == 2 and f"holds {name}, which no diagnosis wrote" in done.said
+    assert [p.read_text() for p in (tmp_path / "mine").iterdir()] == ["mine"]
+
+
 def test_an_answer_in_a_recording_is_refused(command, tmp_path):
     write_bag(tmp_path / "in" / "a", R)
     had = sorted(tmp_path.rglob("*"))

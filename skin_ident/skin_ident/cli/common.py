@@ -18,6 +18,7 @@ from skin_models.errors import SkinError
 from skin_models.whole_file import whole_file
 
 FINDINGS = "findings.json"
+WRITTEN_OVER = ("model.yaml", "baseline.yaml", "report.html")  # what a diagnosis writes beside its findings, under names that others use
 UNUSABLE = 2
 INTERRUPTED = 130
 M_TRIM_THRESHOLD, M_MMAP_MAX = -1, -4  # of mallopt(3)
@@ -129,6 +130,14 @@ def check_no_answer(path: str) -> None:
     `RecordingError`."""
     if (Path(path) / FINDINGS).exists():
         raise RecordingError(f"{path} holds the answer of a diagnosis ({FINDINGS}), whose model.yaml must stay: name another folder")
+
+
+def check_no_model(path: str) -> None:
+    """Refuse a folder with a model, or a report, but without findings: it is a fit's, or somebody's own, and a diagnosis would write over
+    it. Raises `RecordingError`."""
+    theirs = [name for name in WRITTEN_OVER if (Path(path) / name).exists()]
+    if theirs and not (Path(path) / FINDINGS).exists():
+        raise RecordingError(f"{path} holds {theirs[0]}, which no diagnosis wrote (there is no {FINDINGS}): name another folder")
 
 
 def output_folder(path: str) -> Path:

@@ -38,6 +38,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     chosen = _parser().parse_args(arguments)
     how = {"topics": common.topics_of(chosen.topics), "log_time": chosen.log_time}
     common.check_output(chosen.out)
+    common.check_no_model(chosen.out)
     model = load_model(chosen.model) if chosen.model else None
     files, kept = apart(chosen.recordings, chosen.hold_out)
     _check_apart(Path(chosen.out), [file for file, _ in files + kept])

@@ -47,6 +47,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     check_cause(chosen.cause, NOTHING)
     common.check_seed(chosen.seed)
     (common.check_empty if chosen.live else common.check_output)(chosen.out)  # a bag is not written over anything
+    common.check_no_model(chosen.out)
     check_free(Path(chosen.out) / "recordings")
     specimen = load_model(chosen.specimen) if chosen.specimen else _specimen(chosen.cause, chosen.seed, chosen.first)
     entry_from_words(chosen.first), entry_from_words(chosen.fixed)  # raises before anything is written

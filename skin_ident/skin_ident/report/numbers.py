@@ -46,11 +46,24 @@ def plain(value: Any, digits: int = 3) -> str:
     if number == 0.0:
         return "0"
     exponent = _exponent(number, digits)
-    if not -4 < exponent < 6:
-        return f"{number / 10.0**exponent:.{digits - 1}f}".replace("-", "−") + f"{_SPACE}×{_SPACE}10{str(exponent).translate(_RAISED)}"
-    whole = round(number, digits - 1 - exponent)
-    text = f"{whole:,.{max(digits - 1 - exponent, 0)}f}"
+    if _needs_power(exponent):
+        return f"{number / 10.0**exponent:.{digits - 1}f}".replace("-", "−") + _power(exponent)
+    return _fixed(number, digits - 1 - exponent)
+
+
+def _fixed(number: float, last: int) -> str:
+    """The number rounded to its `last` decimal, which may be negative."""
+    whole = round(number, last)
+    text = f"{whole:,.{max(last, 0)}f}"
     return text.replace(",", _THIN if abs(whole) >= 1e4 else "").replace("-", "−")
+
+
+def _needs_power(exponent: int) -> bool:
+    return not -4 < exponent < 6
+
+
+def _power(exponent: int) -> str:
+    return f"{_SPACE}×{_SPACE}10{str(exponent).translate(_RAISED)}"
 
 
 def _exponent(number: float, digits: int) -> int:
@@ -101,15 +114,17 @@ def _with_spread(value: float, std: float) -> str:
         return f"{plain(value)}{_SPACE}±{_SPACE}{plain(std, 1)}" if value == 0.0 else plain(value)
     power = math.floor(math.log10(std))
     counts = power - (1.05 < std / 10.0**power < 1.95)  # exponent of the last digit: one digit of the error, two after a 1
-    digits = min(max(1, 1 + math.floor(math.log10(abs(value))) - counts), 6)
-    text = plain(value, digits)
-    if "×" in text:
+    first = math.floor(math.log10(abs(value)))
+    digits = min(max(1, 1 + first - counts), 6)
+    if _needs_power(_exponent(value, digits)):
         digits = max(digits, 3)
-        power = 10.0 ** _exponent(value, digits)
-        return f"({plain(value / power, digits)}{_SPACE}±{_SPACE}{plain(std / power, 1)}){text[text.index('×') - 1 :]}"
-    decimals = len(text.partition(".")[2])
+        exponent = _exponent(value, digits)
+        scaled, spread = (plain(number / 10.0**exponent, shown) for number, shown in ((value, digits), (std, 1)))
+        return f"({scaled}{_SPACE}±{_SPACE}{spread}){_power(exponent)}"
+    last = digits - 1 - first  # not of the rounded value: 0.99 ± 0.58 is 1.0 ± 0.6
+    decimals = max(last, 0)
     spread = f"{round(std, -counts):.{decimals}f}" if round(std, decimals) and std < 1e4 else plain(std, 1)
-    return f"{text}{_SPACE}±{_SPACE}{spread}"
+    return f"{_fixed(value, last)}{_SPACE}±{_SPACE}{spread}"
 
 
 def span(low: Any, high: Any, unit: str, instead: Any = ()) -> str:

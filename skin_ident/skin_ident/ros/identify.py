@@ -11,7 +11,7 @@ from traceback import format_exc
 from rclpy.logging import get_logger
 from skin_testbed_msgs.action import Identify
 
-from skin_ident.cli.common import check_no_answer, check_output, refusal, topics_of, whole_folder, write_json
+from skin_ident.cli.common import check_no_answer, check_no_model, check_output, refusal, topics_of, whole_folder, write_json
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import Estimate
 from skin_ident.estimators.fit import Options, fit_recordings, sessions_of
@@ -73,8 +73,7 @@ class Run:
             if self.goal.output_directory:
                 with _writing():
                     check_output(self.goal.output_directory)  # here, not after minutes of work
-                if not self.goal.criticise:
-                    check_no_answer(self.goal.output_directory)
+                (check_no_model if self.goal.criticise else check_no_answer)(self.goal.output_directory)
             if not self.goal.recordings:
                 raise RecordingError("the goal names no recordings")
             return self._criticised() if self.goal.criticise else self._fitted()

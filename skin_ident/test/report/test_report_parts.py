@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 import report_examples as examples
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from skin_ident.criticism.gates.gate import EACH_IN_TURN
@@ -92,6 +92,25 @@ def test_values_that_are_compared_share_their_unit():
 def test_no_number_prints_as_nan_or_fails(value, std, unit):
     said = amount(value, unit, std) + plain(value) + percent(value)
     assert not re.search("nan|inf|e[+-]", said)
+
+
+@given(st.floats(-7.0, 9.0), st.floats(-5.0, 3.0), st.sampled_from([-1.0, 1.0]))
+@example(8.9894, -0.5123, 1.0)  # 9.76e8 ± 3e8, which had been printed as (9.76 ± 3) × 10⁹
+@example(-0.0044, -0.2322, 1.0)  # 0.99 ± 0.58, as 1 ± 1
+def test_a_number_is_printed_as_it_is_and_so_is_its_error(exponent, relative, sign):
+    value = sign * 10.0**exponent
+    std = 10.0 ** (exponent + relative)
+    said = amount(value, "1", std).replace(THIN, "").replace("−", "-").replace(NB, "")
+    inner, power = re.fullmatch(r"\((.*)\)×10(.*)", said).groups() if said.startswith("(") else (said, "⁰")
+    printed, *spread = (number(x) * number(f"1×10{power}") for x in inner.split("±"))
+    assert abs(printed - value) < 0.6 * std
+    assert not spread or 0.5 * std < spread[0] < 1.5 * std
+
+
+def number(said: str) -> float:
+    """The number of `3.2` or `3×10⁻⁴`."""
+    digits, _, power = said.partition("×10")
+    return float(digits) * 10.0 ** int(power.translate(str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")) or 0)
 
 
 @given(st.integers(3, 40), st.integers(0, 10**6))
