@@ -156,3 +156,17 @@ def _verdict(findings: dict, cause: str | None, where: str) -> str:
     if (cause, where) in names(findings):
         return "right"
     return "alternative" if (cause, where) in names_or_rivals(findings) else "wrong"
+
+
+@pytest.mark.parametrize(("cause", "form", "where", "seed"), [("crosstalk", "smeared", "taxel", 22), ("off_centre", "walk", "rig", 21)])
+def test_what_cannot_be_written_leaves_a_model_that_does_no_worse_than_the_baseline(tmp_path, cause, form, where, seed):
+    recordings = record(tmp_path, cause, form, size=4.0, seed=seed, **SHORT)
+    outcome = diagnose(recordings[:-1], recordings[-1:])
+    assert [f["evidence"]["in_model"] for f in outcome.findings["findings"] if (f["cause"], f["where"]) == (cause, where)] == [False]
+    for trace in outcome.traces:
+        error = {}
+        for name in ("baseline", "model"):
+            save_model(getattr(outcome, name), tmp_path / f"{name}.yaml")
+            again = load_model(tmp_path / f"{name}.yaml").simulate(motion(trace.t, trace.depth, trace.speed)).taxels
+            error[name] = np.sqrt(np.mean((again - trace.measured[1:]) ** 2))
+        assert error["model"] < 1.01 * error["baseline"]

@@ -8,7 +8,7 @@ import numpy as np
 
 from skin_ident.criticism.array.analysis import ArrayCriticism
 from skin_ident.criticism.array.exchanged import put_right as columns_put_right
-from skin_ident.criticism.array.extending import as_written
+from skin_ident.criticism.array.extending import ToFile, as_written, to_file
 from skin_ident.criticism.array.joining import array_criticism, joined
 from skin_ident.criticism.array.layout import Layout, layout_of, unplaced
 from skin_ident.criticism.array.proposing import array_directions
@@ -122,7 +122,9 @@ def diagnose(
     progress("inspecting the recordings")
     part = _of_twins(every, twins, known, progress) if twins else _part(every, inspect(every), known, model, progress)
     array = array_criticism(part.criticism, layout, part.seen, every)
-    return _outcome(part, part.findings, array, part.criticism.extended.model, part.train[0], part.symptoms, set(part.criticism.not_named))
+    c = part.criticism
+    filed = to_file(c, c.baseline.model, array, c.extended.std)
+    return _outcome(part, part.findings, array, filed, part.train[0], part.symptoms, set(c.not_named))
 
 
 @dataclass(frozen=True)
@@ -228,18 +230,18 @@ def _better(plain: _Part, extended: _Part) -> _Part:
 
 
 def _outcome(
-    part: _Part, findings: dict[str, Any], array: ArrayCriticism | str, model: Model, first: Session, symptoms, seen: set[Key]
+    part: _Part, findings: dict[str, Any], array: ArrayCriticism | str, filed: ToFile, first: Session, symptoms, seen: set[Key]
 ) -> Outcome:
-    """The final result. `model` is the extended one and `first` the first session, both with all taxels; `seen` are causes and places, in
-    the same numbering, of which something was seen that is no finding."""
-    c, findings = part.criticism, joined(findings, array, model, seen)
-    findings["findings"] = in_all_taxels(findings["findings"], len(model.shares))
+    """The final result. `first` is the first session with all taxels; `seen` are causes and places, in the same numbering, of which
+    something was seen that is no finding."""
+    c, findings = part.criticism, joined(findings, array, filed.extended, seen)
+    findings["findings"] = in_all_taxels(findings["findings"], len(filed.extended.shares))
     kept, whole = {s.name for s in part.held}, part.looked.whole
     shown = with_effects(c.extended.model, [e for e in effects_of(symptoms) if e.cause in BESIDE])
     traces = tuple(_trace(c, shown, s, own, s.name in kept) for s, own in zip(whole, _with_courses(whole, c), strict=True))
-    carried = with_hung(with_effects(_with_layout(model, array, first), effects_of(symptoms)), c.train[0])
+    carried = with_hung(with_effects(_with_layout(filed.model, array, first), effects_of(symptoms)), c.train[0])
     baseline, batteries = with_hung(c.baseline.model, c.train[0]), dict(_batteries(part.experiments))
-    return Outcome(findings, baseline, carried, c.extended.std, traces, (), _rounds(c), batteries)
+    return Outcome(findings, baseline, carried, filed.std, traces, (), _rounds(c), batteries)
 
 
 def _of_many(every: list, known: _Known, model: Model | None, progress: Progress) -> Outcome:
@@ -259,12 +261,13 @@ def _of_many(every: list, known: _Known, model: Model | None, progress: Progress
     findings = with_those_of_reading(renamed(part.findings, chosen), every)
     findings = with_rest(findings, known.odd, rest, chosen, len(every[0].taxels))
     told = {(cause, renamed(where, chosen)) for cause, where in c.not_named} | {(u["cause"], u["where"]) for u in rest.untestable}
-    outcome = _outcome(part, findings, array, extended, wide.train[0], (*known.odd, *seen), told)
-    baseline = with_hung(model_of_all(c.baseline.model, chosen, rest.shares, (), layout), c.train[0])
-    said = {name: renamed(getattr(outcome, name), chosen) for name in ("std", "batteries")}
+    plain = model_of_all(c.baseline.model, chosen, rest.shares, (), layout)
+    filed = to_file(wide, plain, array, renamed(c.extended.std, chosen))
+    outcome = _outcome(part, findings, array, filed, wide.train[0], (*known.odd, *seen), told)
     traces = tuple(replace(t, channels=renamed(t.channels, chosen)) for t in outcome.traces)
     rounds = tuple(replace(r, ranked=renamed(r.ranked, chosen)) for r in outcome.rounds)
-    return replace(outcome, baseline=baseline, traces=traces, rounds=rounds, **said)
+    baseline, batteries = with_hung(plain, c.train[0]), renamed(outcome.batteries, chosen)
+    return replace(outcome, baseline=baseline, traces=traces, rounds=rounds, batteries=batteries)
 
 
 def are_scans(recordings: list) -> bool:

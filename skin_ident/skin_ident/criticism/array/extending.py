@@ -2,10 +2,13 @@
 
 The shares of a model are measured ones. Here each is written as the share of the declared layout times an effect. Once the contact is moved
 to its place, or the taxel calibrated again, the effect can be removed, and the shares are those of a rig without the fault.
+
+Some effects of the array have no counterpart in the catalogue. Dispersion and shares that were fitted beside such an effect would be wrong
+without it, so everything else is fitted again.
 """
 
-from collections.abc import Iterable
-from dataclasses import replace
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass, replace
 from functools import reduce
 from typing import Any
 
@@ -17,7 +20,9 @@ from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.proposing import for_anybody, is_of_array
 from skin_ident.criticism.array.sentences import shift_of
+from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.baseline.residual import placed
+from skin_ident.criticism.baseline.unknowns import Unknown, unknowns
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import Key
 from skin_models.effect import Effect
@@ -36,9 +41,29 @@ from skin_models.signals import motion
 SILENT = 1e-3  # of the largest share, below which a share is too small to be scaled
 PRESS_S, PRESS_SAMPLES = 4.0, 400  # of the press in which readings are compared
 STEPS, PROBE = 3, 0.01  # of Newton's method; share of the largest share by which each is moved for its slope
-NO_FORM = "no: the simulated skin has no effect of this form"
+NO_FORM = "no: the simulated skin has no effect of this form; the model file is the best fit without it"
 NOT_JUDGED = "no: a cause in the ratios of the taxels is written into the model only where the ratios of all taxels can be judged"
 TOO_LARGE = "no: an effect of the simulated skin cannot be as large as that"
+
+
+@dataclass(frozen=True)
+class ToFile:
+    """The `extended` model of all taxels, and the `model` that is written instead, with standard errors by label (`std`): the same one,
+    unless some of its effects cannot be written."""
+
+    extended: Model
+    model: Model
+    std: dict[str, float]
+
+
+def to_file(c: Any, plain: Model, a: ArrayCriticism | str, std: dict[str, float]) -> ToFile:
+    """What is written of the extended model of a criticism `c`, which has the standard errors `std`; `plain` is the baseline."""
+    model = c.extended.model
+    left_out = _lost(model, a)
+    if not left_out:
+        return ToFile(model, model, std)
+    again = _fitted_without(left_out, model, plain, std, c)
+    return ToFile(model, again.model, again.std)
 
 
 def as_written(model: Model, a: ArrayCriticism | str, first: Session) -> Model:
@@ -71,6 +96,26 @@ def unwritten(model: Model, a: ArrayCriticism | str) -> dict[Key, str]:
     except ModelError:  # then none of them is written
         return dict.fromkeys(keys, TOO_LARGE)
     return {key: NO_FORM for key, e in zip(keys, effects, strict=True) if e is None}
+
+
+def _lost(model: Model, a: ArrayCriticism | str) -> tuple[Effect, ...]:
+    """The effects of the array that the model from `as_written` lacks."""
+    every = isinstance(a, str) or TOO_LARGE in unwritten(model, a).values()
+    return tuple(e for e in model.effects if is_of_array(e) and (every or known(e) is None))
+
+
+def _fitted_without(left_out: Collection[Effect], model: Model, plain: Model, fitted: Collection[str], c: Any) -> Fit:
+    """The `model` without some effects, fitted again from the dispersion and shares of the `plain` one. All shares are free, and of the
+    other unknowns those that were `fitted`, given by their labels in `model`."""
+    kept = [i for i, e in enumerate(model.effects) if e not in left_out]
+    effects, skin = tuple(model.effects[i] for i in kept), replace(plain.dispersion, m=model.dispersion.m)
+    start = replace(model, dispersion=skin, shares=plain.shares, effects=effects)
+
+    def was_fitted(u: Unknown) -> bool:
+        label = model.listed_as(kept[u.part], u.parameter.name) if isinstance(u.part, int) else u.label
+        return u.part == "shares" or label in fitted
+
+    return fit(start, list(c.train), c.last.noise, which=tuple(filter(was_fitted, unknowns(start, c.train[0]))))
 
 
 def _with(model: Model, effects: Iterable[Effect | None]) -> Model:
