@@ -156,6 +156,14 @@ def test_stepping_through_an_effect_is_the_same_as_the_whole(e):
     assert np.allclose(e.absent().batch(y, MOTION), y)
 
 
+@pytest.mark.parametrize("hz", [1000.0, 100.0, 20.0])
+def test_smeared_crosstalk_of_a_ramp_is_late_by_its_time_constant_at_any_rate(hz):
+    t = np.arange(0.0, 3.0, 1.0 / hz)
+    y = np.outer([0.0, 1.0, 0.0], t)
+    heard = (Smeared("taxel", ROW, share=0.1, tau=0.03).batch(y, motion(t, 1e-3 * t)) - y)[0] / 0.1
+    assert t[-1] - heard[-1] == pytest.approx(0.03, rel=1e-6)
+
+
 def test_leaning_and_widening_are_the_gaussian_elsewhere_or_wider():
     places, c = np.array(ROW), 5e-3
     plain = np.exp(-((np.hypot(*places.T) / c) ** 2))

@@ -12,10 +12,10 @@ from functools import lru_cache
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.signal import lfilter
 
 from skin_ident.criticism.array.bending import OverTaxels, Pairs
 from skin_models.effect import Dynamic, Place
+from skin_models.operators.lagging import lagged, lagged_step
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 from skin_models.spread.footprint import Places
@@ -25,7 +25,7 @@ TAUS = (0.03, 0.1, 0.4)  # s, time constants that are offered to the search
 
 @dataclass(frozen=True)
 class Smeared(OverTaxels, Dynamic):
-    """Crosstalk through a first-order lag. State: the lagged sum of the neighbours, None at rest."""
+    """Crosstalk through a first-order lag. State: that of the lag of the neighbours' sum, None at rest."""
 
     cause: ClassVar[str] = "crosstalk"
     form: ClassVar[str] = "smeared"
@@ -43,16 +43,15 @@ class Smeared(OverTaxels, Dynamic):
         return None
 
     def step(self, state, y, s: Sample, dt: float):
-        """y + share (at_once n + late z), z[n] = e z[n-1] + (1 - e) n, e = exp(-dt / tau)."""
-        heard, e = self._heard(np.asarray(y, float)), float(np.exp(-dt / self.tau))
-        z = heard if state is None else e * state + (1.0 - e) * heard
-        return z, y + self.share * (self.at_once * heard + self.late * z)
+        """y + share (at_once n + late z), z the lagged n."""
+        heard = self._heard(np.asarray(y, float))
+        state, z = lagged_step(state, heard, self.tau, dt)
+        return state, y + self.share * (self.at_once * heard + self.late * z)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
-        """The same recursion as a filter."""
-        heard, e = self._heard(y), float(np.exp(-s.dt / self.tau))
-        z, _ = lfilter([1.0 - e], [1.0, -e], heard, zi=e * heard[..., :1])
-        return y + self.share * (self.at_once * heard + self.late * z)
+        """The same as a filter."""
+        heard = self._heard(y)
+        return y + self.share * (self.at_once * heard + self.late * lagged(heard, self.tau, s.dt))
 
     def _heard(self, y: np.ndarray) -> np.ndarray:
         return _next_to(self.taxels) @ y
