@@ -45,8 +45,8 @@ def view(findings: dict[str, Any]) -> View:
         recordings=tuple(sequence(findings.get("recordings"))),
         findings=tuple(_finding(mapping(f), baseline) for f in sequence(findings.get("findings"))),
         errors=_errors(mapping(baseline.get("rmse")), mapping(extended.get("rmse")), mapping(findings.get("noise_floor")), gains),
-        before=_model_amounts(baseline.get("parameters"), _alone(baseline)),
-        after=_model_amounts(extended.get("parameters"), _alone(baseline)),
+        before=_model_amounts(baseline.get("parameters"), _alone(baseline), {}),
+        after=_model_amounts(extended.get("parameters"), _alone(baseline), _forms(findings)),
         excluded=tuple(mapping(e) for e in sequence(findings.get("excluded"))),
         untestable=tuple(mapping(e) for e in sequence(findings.get("untestable"))),
         warnings=tuple(text(w) for w in sequence(findings.get("warnings"))),
@@ -99,24 +99,32 @@ def warning_sentences(v: View) -> list[str]:
     return [sentence(w, begins_with_name=w.startswith(names)) for w in v.warnings]
 
 
-def _model_amounts(entries: Any, alone: bool) -> tuple[Amount, ...]:
-    """The parameters of a model: those of the dispersion model (`k1`), and those of its effects (`stress_relaxation.skin.tau`)."""
+def _forms(findings: dict[str, Any]) -> dict[tuple[str, str], tuple[str, ...]]:
+    """The forms of what was found, by cause and place."""
+    found = [mapping(f) for f in sequence(findings.get("findings"))]
+    return {(text(f.get("cause")), text(f.get("where"))): _of_entry(f) for f in found}
+
+
+def _of_entry(entry: dict[str, Any]) -> tuple[str, ...]:
+    """The forms of a finding, or of one of its alternatives."""
+    return tuple(map(text, sequence(mapping(entry.get("evidence")).get("forms")) or sequence(entry.get("forms"))))
+
+
+def _model_amounts(entries: Any, alone: bool, forms: dict[tuple[str, str], tuple[str, ...]]) -> tuple[Amount, ...]:
+    """The parameters of a model: those of the dispersion model (`k1`), and those of its effects (`stress_relaxation.skin.tau`), whose
+    `forms` are given by cause and place where they are known."""
     entries = _felt({str(name): entry for name, entry in mapping(entries).items()}, alone)
     parts: dict[tuple[str, str], list[str]] = {}
     for name in entries:
         if name.count(".") == 2:
             cause, where, short = name.split(".")
             parts.setdefault((cause, where), []).append(short)
-    words = {
-        f"{cause}.{where}.{short}": f"{cause_at(cause, where)}: {effect_words(cause, where, tuple(names)).get(short) or spoken(short)}"
-        for (cause, where), names in parts.items()
-        for short in names
-    }
-    known = {
-        f"{cause}.{where}.{short}": p
-        for (cause, where), names in parts.items()
-        for short, p in declared(cause, where, tuple(names)).items()
-    }
+    words, known = {}, {}
+    for (cause, where), names in parts.items():
+        of = cause, where, tuple(names), forms.get((cause, where), ())
+        said = effect_words(*of)
+        words |= {f"{cause}.{where}.{short}": f"{cause_at(cause, where)}: {said.get(short) or spoken(short)}" for short in names}
+        known |= {f"{cause}.{where}.{short}": p for short, p in declared(*of).items()}
     return tuple(_in_range(_amount(name, entry, _said(words, name, alone)), known.get(name)) for name, entry in entries.items())
 
 
@@ -167,8 +175,7 @@ def _amounts(cause: str, where: str, entry: dict[str, Any], alone: bool) -> tupl
     """The parameters of a finding, or of one of its alternatives. Where the load cell stands `alone`, those of the part that taxels feel
     are left out."""
     sizes = _felt({str(name).rpartition(".")[2]: size for name, size in mapping(entry.get("parameters")).items()}, alone)
-    forms = sequence(mapping(entry.get("evidence")).get("forms")) or sequence(entry.get("forms"))
-    of = cause, where, tuple(sizes), tuple(map(text, forms))
+    of = cause, where, tuple(sizes), _of_entry(entry)
     words, known = effect_words(*of), declared(*of)
     return tuple(_in_range(_amount(name, size, _said(words, name, alone)), known.get(name)) for name, size in sizes.items())
 

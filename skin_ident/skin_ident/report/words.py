@@ -4,6 +4,7 @@ import re
 from dataclasses import dataclass
 from functools import cache
 
+from skin_ident.criticism.array.proposing import OF_ARRAY
 from skin_ident.criticism.vocabulary import BY_NAME, place, place_of, spoken, word_of
 from skin_models.catalogue import effects
 from skin_models.dispersion import Dispersion
@@ -138,7 +139,7 @@ def declared(cause: str, where: str, names: tuple[str, ...], forms: tuple[str, .
     """The declared parameters `names` of an effect, those of its `forms` first; one of an arm (`tau_2`) is declared under its plain name.
     Unknown names are absent."""
     word = "taxel" if where.startswith("taxel") else word_of(where)
-    classes = [c for c in effects() if c.cause == cause and word in map(word_of, c.places)]
+    classes = [c for c in (*OF_ARRAY, *effects()) if c.cause == cause and word in map(word_of, c.places)]
     said = [(c.form in forms or c.__name__ in forms, _declared_by(c, names)) for c in classes]
     return {name: p for _, of in sorted(said, key=lambda s: (s[0], len(s[1]))) for name, p in of.items()}
 

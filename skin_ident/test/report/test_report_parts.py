@@ -8,6 +8,7 @@ import report_examples as examples
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from skin_ident.criticism.array.proposing import OF_ARRAY
 from skin_ident.criticism.gates.gate import EACH_IN_TURN
 from skin_ident.criticism.scan.diagnose import diagnose_scans
 from skin_ident.criticism.scan.family import QUANTITIES
@@ -175,11 +176,26 @@ def test_every_parameter_of_every_effect_has_words():
 
 def test_a_parameter_is_said_in_the_words_of_its_own_form():
     """Of drift there are three forms whose `per_decade` or `rate` is a force, or a share of the reading."""
-    for cls in effects():
+    for cls in (*OF_ARRAY, *effects()):
         for p in parameters_of(cls):
             if p.doc:
                 said = declared(cls.cause, next(iter(cls.places)), (p.name,), (cls.__name__,))
                 assert said[p.name].doc == p.doc, (cls.__name__, p.name)
+
+
+@pytest.mark.parametrize(("form", "words"), [("Walking", "by the end of the longest session"), ("Leaning", "at the greatest depth")])
+def test_a_contact_that_moves_sideways_is_no_other_zero_of_depth(form, words):
+    size = {"value": 3e-4, "unit": "m"}
+    found = {"cause": "off_centre", "where": "rig", "parameters": {"shift": size}, "evidence": {"forms": [form]}}
+    v = view({"findings": [found], "extended": {"parameters": {"off_centre.rig.shift": size}}})
+    assert [a.words for a in v.findings[0].amounts] == [f"sideways shift of the contact {words}"]
+    assert [a.words for a in v.after] == [f"off centre in the rig: sideways shift of the contact {words}"]
+
+
+def test_a_share_of_what_comes_smeared_is_one_of_the_sum_of_the_neighbours():
+    assert effect_words("crosstalk", "taxel", ("share",), ("Smeared",)) == {"share": "share of the neighbours' sum"}
+    assert effect_words("crosstalk", "taxel", ("share",), ("capacitive",)) == {"share": "share of the neighbours' sum"}
+    assert effect_words("crosstalk", "taxel_1", ("share",)) == {"share": "share of the neighbours' mean"}
 
 
 def test_places_are_words():

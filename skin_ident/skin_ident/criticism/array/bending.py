@@ -54,7 +54,7 @@ class Leaning(OverTaxels, Memoryless):
     axis: tuple[float, float] = (1.0, 0.0)
     width: float = 5.25e-3
     deepest: float = 1e-3
-    shift: float = quantity("m", 0.0, lower=-0.01, upper=0.01, typical=2e-4, doc="at the greatest depth")
+    shift: float = quantity("m", 0.0, lower=-0.01, upper=0.01, typical=2e-4, doc="sideways shift of the contact at the greatest depth")
 
     def apply(self, y, s):
         """Readings y (T,) or (T, N), N, under a contact that is displaced by `shift` x / `deepest`."""
@@ -74,7 +74,9 @@ class Walking(OverTaxels, Elapsed):
     axis: tuple[float, float] = (1.0, 0.0)
     width: float = 5.25e-3
     seconds: float = 60.0
-    shift: float = quantity("m", 0.0, lower=-0.01, upper=0.01, typical=2e-4, doc="after `seconds`, the length of the first session")
+    shift: float = quantity(
+        "m", 0.0, lower=-0.01, upper=0.01, typical=2e-4, doc="sideways shift of the contact by the end of the longest session"
+    )
 
     def apply(self, y, elapsed):
         """Readings y (T,) or (T, N), N, under a contact that is displaced by `shift` t / `seconds`, t the time `elapsed`, s."""

@@ -15,6 +15,8 @@ from skin_models.parameter import AMPLITUDE, parameters_of
 EARLY = 0.2  # of the greatest depth: initial settling depth of a spread that settles
 USUAL = 0.75  # of the greatest depth: where the local share equals the slope over all depths
 
+OF_ARRAY = (Leaning, Walking, Widening, Reaching, Settling, SettlingReaching, Smeared, Capacitive)
+
 
 def array_directions(layout: Layout | str, session: Session) -> tuple[Direction, ...]:
     """The directions that the layout adds to the catalogue's; none without a layout, nor where force drives the test. Depth and duration
@@ -26,7 +28,7 @@ def array_directions(layout: Layout | str, session: Session) -> tuple[Direction,
 
 def is_of_array(e: Effect) -> bool:
     """Whether an effect belongs to one layout and not to the catalogue."""
-    return isinstance(e, (Leaning, Walking, Widening, Smeared))
+    return isinstance(e, OF_ARRAY)
 
 
 def for_anybody(model: Model) -> Model:
