@@ -124,6 +124,18 @@ def undivided(words: str) -> str:
     return words
 
 
+# What a taxel repeats, by the form of crosstalk that the ratios of the taxels show.
+_REPEATED = {
+    "neighbours": "the neighbours' sum",
+    "common": "the mean of all taxels",
+    "previous": "the taxel that is read before",
+    "previous_in_turn": "the taxel that is read before",
+    "next": "the taxel that is read after",
+    "next_in_turn": "the taxel that is read after",
+    "one": "one other taxel",
+}
+
+
 @cache
 def effect_words(cause: str, where: str, names: tuple[str, ...], forms: tuple[str, ...] = ()) -> dict[str, str]:
     """Words for the parameters `names` of an effect, from its own declaration; an arm's number (`tau_2`) is kept. Unknown names are absent.
@@ -131,7 +143,9 @@ def effect_words(cause: str, where: str, names: tuple[str, ...], forms: tuple[st
     Where a cause has several forms, those in `forms` (their own names, or the names of their classes) come first, then the form that
     declares most of the names, and other forms for the rest: one name may mean different things in two forms.
     """
-    return {name: _of(p, name) for name, p in declared(cause, where, names, forms).items()}
+    words = {name: _of(p, name) for name, p in declared(cause, where, names, forms).items()}
+    repeated = [_REPEATED[form] for form in forms if form in _REPEATED and cause == "crosstalk" and "share" in names]
+    return words | ({"share": f"share of {repeated[-1]}"} if repeated else {})
 
 
 @cache

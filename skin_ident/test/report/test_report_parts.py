@@ -8,6 +8,11 @@ import report_examples as examples
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from skin_ident.criticism.array.evidence import Fitted
+from skin_ident.criticism.array.findings import form_of
+from skin_ident.criticism.array.hypotheses import hypotheses
+from skin_ident.criticism.array.judgement import Judged
+from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.proposing import OF_ARRAY
 from skin_ident.criticism.gates.gate import EACH_IN_TURN
 from skin_ident.criticism.scan.diagnose import diagnose_scans
@@ -196,6 +201,16 @@ def test_a_share_of_what_comes_smeared_is_one_of_the_sum_of_the_neighbours():
     assert effect_words("crosstalk", "taxel", ("share",), ("Smeared",)) == {"share": "share of the neighbours' sum"}
     assert effect_words("crosstalk", "taxel", ("share",), ("capacitive",)) == {"share": "share of the neighbours' sum"}
     assert effect_words("crosstalk", "taxel_1", ("share",)) == {"share": "share of the neighbours' mean"}
+
+
+ROW = Layout(np.array([[-5e-3, 0.0], [0.0, 0.0], [5e-3, 0.0]]), np.zeros((2, 2)), 5e-3, True)
+
+
+@pytest.mark.parametrize("h", [h for h in hypotheses(ROW, [], ["repeat_0_1"]) if h.cause == "crosstalk"], ids=lambda h: str(*h.free))
+def test_the_share_of_every_form_of_static_crosstalk_is_of_what_is_repeated(h):
+    form = form_of(Judged(h, 0.0, Fitted({}, {}, 0.0), None))
+    words = effect_words(h.cause, h.where, ("share",), (form,))["share"]
+    assert words.startswith("share of ") and words != effect_words(h.cause, h.where, ("share",))["share"]
 
 
 def test_places_are_words():

@@ -113,6 +113,7 @@ def excluded(a: ArrayCriticism) -> Iterator[dict[str, Any]]:
     for j in filter(_told, a.judgement.unaided):
         worst = max((abs(q["value"]) + HALF_95 * q["std"], q["unit"], name) for name, q in _departures(j, a.layout).items())
         said = {"cause": j.hypothesis.cause, "where": j.hypothesis.where, "parameter": worst[2], "below": float(worst[0]), "unit": worst[1]}
+        said |= {"form": form_of(j)} if j.hypothesis.cause == "crosstalk" else {}  # each has a share of something else
         yield {**said, "limited_by": DECLARED, "needs": SCAN} if j.limited else said
 
 
