@@ -17,6 +17,7 @@ from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.tared import settle_zeros, take_zeros, untared
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.criticism.telling.leftover import Rest
+from skin_models.effects.lag import Lag
 
 STEP, OFF = 0.02, ((0.012, -0.007), (-0.009, 0.011), (0.008, -0.012))  # N
 
@@ -111,3 +112,16 @@ def test_what_is_left_within_half_a_step_is_no_riddle():
     """As much as is left of a load cell read in steps of 19 mN may be its tare, and is none of one read in steps of 5 mN."""
     told = Rest(fall=0.19, lower=0.1, before=9.8e-3, after=8.6e-3, resolution=RESOLVED * 19e-3, seconds=26.0)
     assert not told.is_systematic(0.0) and replace(told, resolution=RESOLVED * 5e-3).is_systematic(0.0)
+
+
+def test_the_zero_of_a_held_out_session_is_no_gain_of_a_cause():
+    """The model without the cause gets it, too."""
+    lagging = PLAIN.extended(Lag("taxel", tau=0.02))
+    made = [replace(recorded(lagging, DEPTH + 0.1e-3 * i, 0.02, seed=i), name=f"session_{i}") for i in range(3)]
+    gains = []
+    for zero in (0.0, 0.016):
+        read = [_read(r, np.array([0.0, off]), r.name) for r, off in zip(made, (0.0, 0.0, zero), strict=True)]
+        (finding,) = diagnose(read[:2], read[2:]).findings["findings"]
+        assert finding["cause"] == "lag"
+        gains.append([finding["gain"][f"held_out_rmse_{when}"] for when in ("before", "after")])
+    assert np.allclose(*gains, rtol=0.0, atol=5e-4)  # 4 mN before

@@ -323,7 +323,7 @@ def _with_layout(model: Model, array: ArrayCriticism | str, first: Session) -> M
 
 
 def _trace(c: Criticism, shown: Model, s: Session, own: Session, held: bool) -> Trace:
-    before, after = simulated(c.baseline.model, replace(s, skin=c.skin_before(own))), simulated(shown, own)
+    before, after = simulated(c.baseline.model, c.before(own)), simulated(shown, own)
     moved = motion_under(s, c.extended.model.dispersion)
     seen = samples_compared(s.name, c)
     left_out = None if seen is None else 1.0 - np.round(np.interp(moved.t, *seen))

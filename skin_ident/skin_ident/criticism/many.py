@@ -194,7 +194,7 @@ def _group(c: Criticism, recordings: list, taxels: list[int], layout: Layout | s
 def _as_found(session: Session, joint: Session) -> Session:
     """A session of other taxels with what the `joint` search found to be the session's own and not of single taxels."""
     lacks = frozenset(key for key in joint.lacks if not key[1].startswith("taxel_"))
-    mine = {"beyond": session.beyond, "spread": session.spread, "reference": session.reference}
+    mine = {"beyond": session.beyond, "course": session.course, "spread": session.spread, "reference": session.reference}
     return session.with_own_of(replace(joint, lacks=lacks, **mine))
 
 
@@ -235,12 +235,18 @@ def criticism_of_all(
 def _of_all_taxels(few: Session, s: Session, chosen: list[int]) -> Session:
     """What was found to be a session's own in the `chosen` taxels, in the channels of `s`, which has all taxels; shares are those of
     `s`."""
-    beyond, first = None, len(s.channels) - s.n_taxels
-    if few.beyond is not None:
-        beyond = np.zeros_like(s.raw)
-        beyond[[*range(first), *(first + i for i in chosen)]] = few.beyond
+    first = len(s.channels) - s.n_taxels
+    mine = [*range(first), *(first + i for i in chosen)]
+
+    def placed(rows: np.ndarray | None) -> np.ndarray | None:
+        if rows is None:
+            return None
+        out = np.zeros_like(s.raw)
+        out[mine] = rows
+        return out
+
     lacks = frozenset((cause, renamed(where, chosen)) for cause, where in few.lacks)
-    return replace(few, beyond=beyond, lacks=lacks, spread=s.spread, reference=s.reference)
+    return replace(few, beyond=placed(few.beyond), course=placed(few.course), lacks=lacks, spread=s.spread, reference=s.reference)
 
 
 def with_rest(findings: dict[str, Any], odd: tuple[Symptom, ...], rest: Rest, chosen: list[int], count: int) -> dict[str, Any]:

@@ -115,6 +115,11 @@ def _of_sensors(runs: list[Run], ground: "_Ground") -> list[Run]:
 
 def added(sessions: list[Session], values: dict[str, np.ndarray]) -> list[Session]:
     """The sessions with a course added to their simulation; `values` (C, N) N by name of the session."""
+    return [replace(s, course=values[s.name] + (0.0 if s.course is None else s.course)) for s in with_zeros(sessions, values)]
+
+
+def with_zeros(sessions: list[Session], values: dict[str, np.ndarray]) -> list[Session]:
+    """The same with what is no finding, such as zeros that tares leave: the baseline is compared with it as well."""
     return [replace(s, beyond=values[s.name] + (0.0 if s.beyond is None else s.beyond)) for s in sessions]
 
 

@@ -85,7 +85,7 @@ def criticise(
     told = (tuple(named), search.survey(), tuple(search.rounds))
     c = Criticism(search.baseline, search.present, *told, tuple(search.train), tuple(search.held), search.not_named, search.grown)
     c = replace(c, baseline=fit(given, train, noise, 0) if given else _baseline_beside(c, start, train))
-    return _without_names(c, train, held) if _predicts_worse(c, held) else c
+    return _without_names(c, train, held) if _predicts_worse(c) else c
 
 
 def _asked(every: tuple[Direction, ...], suspected: set[Key]) -> tuple[Direction, ...]:
@@ -121,23 +121,23 @@ def _name_all(search: Search) -> None:
 
 def _baseline_beside(c: Criticism, start: Model, train: list[Session]) -> Fit:
     """The plain model, as near to the record as it can be: fitted again in the noise that is left beside all causes. Where the mass is
-    another, or sessions have a skin of their own that is no finding, it has these, too."""
-    plain = [replace(s, skin=c.skin_before(own)) for s, own in zip(train, c.train, strict=True)]
+    another, or sessions have a skin, zeros or a delay that are no finding, it has these, too."""
+    plain = [c.as_before(s, own) for s, own in zip(train, c.train, strict=True)]
     as_weighed = c.train[0]
-    if not (c.named or as_weighed.hung or as_weighed.free_mass or any(s.skin for s in plain)):
+    if not (c.named or as_weighed.hung or as_weighed.free_mass or any(s.skin or s.late or s.beyond is not None for s in plain)):
         return c.baseline
     begin = replace(start, dispersion=replace(start.dispersion, m=c.extended.model.dispersion.m))
     return fit(begin, weighed_as(plain, as_weighed), c.last.noise)
 
 
-def _predicts_worse(c: Criticism, held: list[Session]) -> bool:
-    """Whether causes were named although, with them, no channel of `held` is predicted better than by the baseline, and one clearly worse.
-    Then each was compared with a model that others, or another mass, had led astray. `held` are the sessions as they were prepared."""
-    if not (c.named and held):
+def _predicts_worse(c: Criticism) -> bool:
+    """Whether causes were named although, with them, no channel of held-out sessions is predicted better than by the baseline, and one
+    clearly worse. Then each was compared with a model that others, or another mass, had led astray."""
+    if not (c.named and c.held):
         return False
     before, after = (
         [rmse([residual(fitted.model, s)], [s]) for s in sessions]
-        for fitted, sessions in ((c.baseline, [c.before(own, s) for own, s in zip(c.held, held, strict=True)]), (c.extended, c.held))
+        for fitted, sessions in ((c.baseline, [c.before(s) for s in c.held]), (c.extended, c.held))
     )
     times = [a[channel] / max(b[channel], 1e-300) for b, a in zip(before, after, strict=True) for channel in b]
     return min(times) >= 1.0 and max(times) > WORSE
@@ -146,7 +146,7 @@ def _predicts_worse(c: Criticism, held: list[Session]) -> bool:
 def _without_names(c: Criticism, train: list[Session], held: list[Session]) -> Criticism:
     """The criticism with the baseline alone; all that was named is noted as in doubt."""
     bare = (
-        tuple(replace(c.before(own, s), lacks=s.lacks) for own, s in zip(found, sessions, strict=True))
+        tuple(replace(c.before(own), lacks=s.lacks) for own, s in zip(found, sessions, strict=True))
         for found, sessions in ((c.train, train), (c.held, held))
     )
     doubts = {n.key: unproven() for n in c.named}

@@ -8,7 +8,7 @@ from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.said import Said
 from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.search.survey import Survey
-from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.sessions.session import Session, delayed
 from skin_ident.criticism.vocabulary import PARAMETERS, Key
 from skin_models.model import Model
 
@@ -87,7 +87,13 @@ class Criticism:
         """The skin factors with which the baseline is compared in a session: those of `own`, unless another skin is a finding."""
         return {} if any(n.is_another_skin for n in self.named) else own.skin
 
-    def before(self, own: Session, plain: Session) -> Session:
-        """A session as the baseline is compared with it: `own`, but without what it was found to have beyond the model since it was
-        `plain`, with the depth as it was read, and without its skin where that is a finding."""
-        return replace(own, motion=plain.motion, late=plain.late, beyond=plain.beyond, skin=self.skin_before(own))
+    def before(self, own: Session) -> Session:
+        """A session as the baseline is compared with it: `own`, with zeros and a delay as good hardware has them, but without courses, and
+        without its skin where that is a finding."""
+        beyond = own.beyond if own.course is None else own.beyond - own.course
+        return replace(own, beyond=beyond, course=None, skin=self.skin_before(own))
+
+    def as_before(self, plain: Session, own: Session) -> Session:
+        """The session `plain`, which has the same samples, with that of `own` which the baseline has, too."""
+        bare = self.before(own)
+        return replace(delayed(plain, bare.late), beyond=bare.beyond, skin=bare.skin)

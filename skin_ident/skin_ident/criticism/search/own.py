@@ -7,7 +7,7 @@ import numpy as np
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, grown_noise_of, noise_of
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.courses.carriers import DELAY, DEPTH, SLOPE, ZERO
-from skin_ident.criticism.courses.course import added, fitted
+from skin_ident.criticism.courses.course import added, fitted, with_zeros
 from skin_ident.criticism.courses.gate import believed, course_gain, helps, stands
 from skin_ident.criticism.courses.kinds import STEPS, WAVE
 from skin_ident.criticism.courses.run import Run
@@ -144,8 +144,10 @@ def take_course(search: Search, run: Run, finding: Named) -> None:
     other = fitted(run.course, search.present.model, compared, noise, free) if held else None
     run = replace(run, of_held=other.values if other else {})
     search.runs.append(run)
-    search.train, search.held = train, added(held, run.of_held) if other else held
-    if run.of_the_tare and (other is None or other.of_the_tare):
+    of_tares = run.of_the_tare and (other is None or other.of_the_tare)
+    put = with_zeros if of_tares else added
+    search.train, search.held = put(search.train, run.values), put(held, run.of_held) if other else held
+    if of_tares:
         search.tared[run.course.key] = tare_does(run.largest, run.tare)
         return
     search.named.append(replace(finding, courses={**run.said, **(other.said if other else {})}))

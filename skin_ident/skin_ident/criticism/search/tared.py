@@ -3,7 +3,7 @@
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
-from skin_ident.criticism.courses.course import added
+from skin_ident.criticism.courses.course import added, with_zeros
 from skin_ident.criticism.courses.left_by_tare import tare_of_drive, tares
 from skin_ident.criticism.courses.run import LEAST_SCORE, least_depth
 from skin_ident.criticism.courses.tare import Zeros, added_by, zeros
@@ -73,7 +73,7 @@ def settle_zeros(search: Search) -> bool:
 
 def _with(search: Search, found: Zeros) -> tuple[list[Session], Fit]:
     """The training sessions with zeros, and the fit to them."""
-    train = added(search.train, added_by(found, search.present.model, search.train))
+    train = with_zeros(search.train, added_by(found, search.present.model, search.train))
     return train, fit(search.present.model, train, search.noise)
 
 
@@ -95,7 +95,7 @@ def zero_held(search: Search, shared: Zeros) -> Zeros:
 
 def add_to_held(search: Search, zeros: dict[str, np.ndarray]) -> None:
     """Add what zeros come to, (C, N) N by session, to the held-out sessions, and keep it in mind."""
-    search.held = added(search.held, zeros)
+    search.held = with_zeros(search.held, zeros)
     search.zeros_of_held |= {name: zero + search.zeros_of_held.get(name, 0.0) for name, zero in zeros.items()}
 
 
@@ -103,12 +103,16 @@ def untared(search: Search) -> list[Session]:
     """The held-out sessions without such zeros, which are not taken back twice. A course of theirs is fitted without them: they were taken
     beside what that course has to explain."""
     taken, search.zeros_of_held = search.zeros_of_held, {}
-    return taken_off(search.held, taken) if taken else search.held
+    return with_zeros(search.held, _opposite(taken)) if taken else search.held
 
 
 def taken_off(sessions: list[Session], values: dict[str, np.ndarray]) -> list[Session]:
-    """The sessions without zeros, or another course, that were `added` to their simulation."""
-    return added(sessions, {name: -v for name, v in values.items()})
+    """The sessions without a course that was `added` to their simulation."""
+    return added(sessions, _opposite(values))
+
+
+def _opposite(values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    return {name: -v for name, v in values.items()}
 
 
 def _shared(search: Search, finding: Named) -> Zeros:

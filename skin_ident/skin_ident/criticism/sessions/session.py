@@ -45,7 +45,8 @@ class Session:
     drive_step: float = 0.0  # N, spacing of its levels; 0 where none are seen
     spread: np.ndarray | None = None  # (T,), factors on `Model.shares`, where sessions press at different places
     contact: np.ndarray | None = None  # (2,) m, contact position of this session in the taxels' frame
-    beyond: np.ndarray | None = None  # (C, N) N, what a recorded twin adds to the model that stands in for it (see `twin`)
+    beyond: np.ndarray | None = None  # (C, N) N, added to the simulation: by a recorded twin (see `twin`), zeros of tares, courses
+    course: np.ndarray | None = None  # (C, N) N, the part of `beyond` that is a finding
     stuck: Mapping[str, float] = field(default_factory=dict)  # N, constant readings of channels that respond to nothing
     clipped: frozenset[str] = frozenset()  # channels whose record itself shows a ceiling
     heaviest: float = 0.0  # kg, upper bound of the model's mass, which is fitted, too; 0: the mass is held (see `search.weighing`)
@@ -97,8 +98,8 @@ class Session:
     def with_own_of(self, other: "Session") -> "Session":
         """The session with what was found to be particular to `other`, which has the same samples: its part beyond the model, a mass that
         hangs, a depth that is late, its shares, its skin, and the causes that it lacks."""
-        shares = {"spread": other.spread, "reference": other.reference}
-        return replace(delayed(self, other.late), beyond=other.beyond, hung=other.hung, skin=other.skin, lacks=other.lacks, **shares)
+        names = ("beyond", "course", "hung", "skin", "lacks", "spread", "reference")
+        return replace(delayed(self, other.late), **{name: getattr(other, name) for name in names})
 
 
 def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) -> Session:

@@ -35,8 +35,8 @@ def at_every_sample(rows: np.ndarray, few: Session, session: Session) -> np.ndar
 
 def with_own_of_few(session: Session, few: Session) -> Session:
     """The recorded session with what was found to be particular to its decimated version `few`."""
-    beyond = None if few.beyond is None else at_every_sample(few.beyond, few, session)
-    return session.with_own_of(replace(few, beyond=beyond))
+    beyond, course = (None if y is None else at_every_sample(y, few, session) for y in (few.beyond, few.course))
+    return session.with_own_of(replace(few, beyond=beyond, course=course))
 
 
 def _thinner(s: Session, every: int, slowest: float) -> Session:

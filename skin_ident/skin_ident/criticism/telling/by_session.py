@@ -53,7 +53,7 @@ def by_session(c: Criticism, plain: list[Session]) -> dict[str, dict[str, Any]]:
         return {}
     bare = [with_reference([replace(s, beyond=p.beyond, skin={}, reference=None)])[0] for s, p in zip(sessions, plain, strict=True)]
     own = [_alone(c.extended.model, s, c.last.noise) for s in bare]
-    before = [rmse([residual(c.baseline.model, c.before(s, p))], [s]) for s, p in zip(sessions, plain, strict=True)]
+    before = [rmse([residual(c.baseline.model, c.before(s))], [s]) for s in sessions]
     after = [rmse([residual(c.extended.model, s)], [s]) for s in sessions]
     errors = [
         {ch: {"baseline": b[ch], "extended": a[ch], "unit": "N"} for ch in s.channels if s.weight[s.channels.index(ch)].any()}

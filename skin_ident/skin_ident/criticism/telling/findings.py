@@ -279,7 +279,7 @@ def as_findings(
 ) -> dict[str, Any]:
     """The whole of findings.json. `train` and `held` are the sessions without what was found to be their own; `given`: the baseline is a
     model somebody gave, whose parameters have no standard errors."""
-    before = [[c.before(own, s) for own, s in zip(*pair, strict=True)] for pair in ((c.train, train), (c.held, held))]
+    before = [[c.before(s) for s in part] for part in (c.train, c.held)]
     baseline = described(c.baseline.model, c.baseline.unknowns, {} if given else c.baseline.std, *before)
     baseline |= {"given": True} if given else {}
     had = len(c.baseline.model.effects) if given else 0

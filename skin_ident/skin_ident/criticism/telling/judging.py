@@ -47,7 +47,7 @@ def judge(c: Criticism, symptoms: tuple[Symptom, ...], whole: tuple[list[Session
         c = _carrying(c, effects, whole, given)
     tested = list(c.held or c.train)
     gains = tuple(_gain_of(c.extended.model, s, tested) for s in symptoms)
-    return Judged(c, gains, _by_channel(c, whole, given is not None), clean)
+    return Judged(c, gains, _by_channel(c, given is not None), clean)
 
 
 def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Session]], given: Model | None) -> Criticism:
@@ -57,7 +57,7 @@ def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Sess
     start = given or replace(dispersion_start(whole[0], plain.dispersion.m), effects=plain.effects)
     silent = {channel: 0.0 for channel in c.train[0].stuck if _reads_nothing(channel, whole[0])}
     both = [
-        [replace(s, skin=c.skin_before(own), stuck=silent) for s, own in zip(*pair, strict=True)]
+        [replace(c.as_before(s, own), stuck=silent) for s, own in zip(*pair, strict=True)]
         for pair in zip(comparable(*whole, start, model), (c.train, c.held), strict=True)
     ]
     baseline = fit(start, [silenced(s, c.train[0].stuck) for s in both[0]], c.last.noise, 0 if given else ITERATIONS)
@@ -91,25 +91,20 @@ def _gain_of(model: Model, symptom: Symptom, sessions: list[Session]) -> dict[st
     return _entries(before, after, sessions)[symptom.channels[0]]
 
 
-def _by_channel(c: Criticism, whole: tuple[list[Session], list[Session]], given: bool) -> dict[str, dict[str, Any]]:
+def _by_channel(c: Criticism, given: bool) -> dict[str, dict[str, Any]]:
     """RMSE of baseline and extended model by channel, on data to which neither was fitted, with the confidence interval of the fall."""
-    said, pairs = _tested(c, whole, given)
+    said, pairs = _tested(c, given)
     entries = _entries([b for _, b, _ in pairs], [a for _, _, a in pairs], [s for s, _, _ in pairs])
     return {channel: {**entry, "tested_on": said} for channel, entry in entries.items()}
 
 
-def _tested(
-    c: Criticism, whole: tuple[list[Session], list[Session]], given: bool
-) -> tuple[str, list[tuple[Session, np.ndarray, np.ndarray]]]:
+def _tested(c: Criticism, given: bool) -> tuple[str, list[tuple[Session, np.ndarray, np.ndarray]]]:
     """The name of the test data, and for each of its sessions the residuals of baseline and extended model."""
     if c.held:
-        return ", ".join(s.name for s in c.held), [
-            _pair(c, c.baseline.model, c.extended.model, *p) for p in zip(c.held, whole[1], strict=True)
-        ]
+        return ", ".join(s.name for s in c.held), [_pair(c, c.baseline.model, c.extended.model, s) for s in c.held]
     if len(c.train) == 1 or c.baseline.model == c.extended.model:
-        said = "the sessions it was fitted to"
-        return said, [_pair(c, c.baseline.model, c.extended.model, *p) for p in zip(c.train, whole[0], strict=True)]
-    return EACH_IN_TURN, [pair for fold in _folds(len(c.train)) for pair in _fold(c, whole[0], fold, given)]
+        return "the sessions it was fitted to", [_pair(c, c.baseline.model, c.extended.model, s) for s in c.train]
+    return EACH_IN_TURN, [pair for fold in _folds(len(c.train)) for pair in _fold(c, fold, given)]
 
 
 def _folds(count: int) -> Iterator[list[int]]:
@@ -117,14 +112,13 @@ def _folds(count: int) -> Iterator[list[int]]:
     yield from (list(every[every % min(count, MOST_FOLDS) == k]) for k in range(min(count, MOST_FOLDS)))
 
 
-def _fold(c: Criticism, whole: list[Session], fold: list[int], given: bool) -> Iterator[tuple[Session, np.ndarray, np.ndarray]]:
+def _fold(c: Criticism, fold: list[int], given: bool) -> Iterator[tuple[Session, np.ndarray, np.ndarray]]:
     """Both models fitted to the sessions outside the fold, and their residuals in the fold."""
     rest = [i for i in range(len(c.train)) if i not in fold]
     others = with_reference([c.train[i] for i in rest])
-    plain = [c.before(s, whole[i]) for i, s in zip(rest, others, strict=True)]
-    before = c.baseline.model if given else _refitted(c.baseline, plain, c.last.noise)
+    before = c.baseline.model if given else _refitted(c.baseline, [c.before(s) for s in others], c.last.noise)
     after = _refitted(c.extended, others, c.last.noise)
-    yield from (_pair(c, before, after, replace(c.train[i], reference=None), whole[i]) for i in fold)
+    yield from (_pair(c, before, after, replace(c.train[i], reference=None)) for i in fold)
 
 
 def _refitted(known: Fit, sessions: list[Session], noise: Whitener) -> Model:
@@ -133,8 +127,8 @@ def _refitted(known: Fit, sessions: list[Session], noise: Whitener) -> Model:
     return fit(known.model, sessions, noise, FOLD_ITERATIONS, known.unknowns).model
 
 
-def _pair(c: Criticism, before: Model, after: Model, own: Session, plain: Session) -> tuple[Session, np.ndarray, np.ndarray]:
-    return own, residual(before, c.before(own, plain)), residual(after, own)
+def _pair(c: Criticism, before: Model, after: Model, own: Session) -> tuple[Session, np.ndarray, np.ndarray]:
+    return own, residual(before, c.before(own)), residual(after, own)
 
 
 def _entries(before: list[np.ndarray], after: list[np.ndarray], sessions: list[Session]) -> dict[str, dict[str, Any]]:
