@@ -68,7 +68,7 @@ def test_a_spread_that_widens_with_depth_is_told_from_sessions_at_several_places
     assert names(findings) == [("spread_depth", "skin")]
 
 
-@pytest.mark.parametrize("seed", rows(range(3), 1))
+@pytest.mark.parametrize("seed", rows(range(3), 0))
 def test_sound_rows_are_silent(tmp_path, seed):
     assert not names(found(record_at(tmp_path, ROW, seed=seed, thickness_mm=4, layout="row_5mm")))
 

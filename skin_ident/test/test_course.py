@@ -31,7 +31,7 @@ OWN = [
 ]
 
 
-@pytest.mark.parametrize(("cause", "where", "form", "seed"), rows(OWN, 2), ids=[c[2] for c in OWN])
+@pytest.mark.parametrize(("cause", "where", "form", "seed"), rows(OWN, 1), ids=[c[2] for c in OWN])
 def test_what_each_session_has_of_its_own_is_named(tmp_path, cause, where, form, seed):
     found = seek(tmp_path, cause, where=where, form=form, size=1.0, seed=seed, noise="white")
     assert found.right, found.names
@@ -146,6 +146,7 @@ def test_a_load_cell_with_a_gain_of_its_own_in_each_session_is_named(tmp_path, h
     assert all(words.endswith(" %") for words in found["evidence"]["of_each_session"].values())
 
 
+@pytest.mark.slow
 def test_skin_that_is_stiffer_in_one_session_is_no_gain_of_a_sensor(tmp_path):
     made, _ = make_sessions(None, seed=62, n_sessions=3, noise="white")
     stiffness = (1.0, 1.03, 0.98)
@@ -155,7 +156,7 @@ def test_skin_that_is_stiffer_in_one_session_is_no_gain_of_a_sensor(tmp_path):
     assert not [f for f in named if f["cause"] == "gain_error"]
 
 
-@pytest.mark.parametrize(("where", "times"), rows([("load_cell", 6.0), ("taxel", 6.0), ("load_cell", 3.0), ("taxel", 3.0)], 2))
+@pytest.mark.parametrize(("where", "times"), rows([("load_cell", 6.0), ("taxel", 6.0), ("load_cell", 3.0), ("taxel", 3.0)], 1))
 def test_a_zero_that_jumps_is_an_offset_and_no_drift(tmp_path, where, times):
     """A gauge that comes loose, three times in every session and back again, at moments of each session's own."""
     made, truth = make_sessions(None, seed=63, n_sessions=3, noise="white")
@@ -174,6 +175,7 @@ def test_a_zero_that_jumps_is_an_offset_and_no_drift(tmp_path, where, times):
     assert all("N at" in words for words in found["evidence"]["of_each_session"].values())
 
 
+@pytest.mark.slow
 def test_a_zero_that_jumps_at_about_the_same_time_in_every_session_is_no_drift(tmp_path):
     """Sessions share most of that, as a drift would have it; there is nothing for one to do beside the jumps."""
     made, truth = make_sessions(None, seed=64, n_sessions=3, noise="white")

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from making import SILICONE, response
+from rows import rows
 
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.recordings.recording import Recording
@@ -82,6 +83,7 @@ def test_numbers_of_the_skin_are_told_beside_an_effect_that_is_right():
     assert one["cause"] == "parameters" and one["parameters"]["k1"]["value"] == pytest.approx(SKIN.k1, rel=0.02)
 
 
+@pytest.mark.slow
 def test_what_a_model_with_an_effect_lacks_is_named_and_the_effect_stays():
     findings = found(PLAIN.extended(Lag("load_cell", tau=1e-6)), SQUARE)
     assert [(f["cause"], f["where"]) for f in findings["findings"]] == [("nonlinear_stiffness", "skin")]
@@ -105,7 +107,7 @@ def test_a_wrong_share_of_a_taxel_that_feels_little_is_a_wrong_number():
 
 
 @pytest.mark.parametrize("k2", [1.0, 0.94], ids=["other numbers right", "k2 wrong as well"])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", rows(range(3), 1))
 def test_the_weight_of_skin_that_a_tare_took_away_is_no_fault_of_a_sensor(seed, k2):
     """The load cell reads 4 mN more in contact than a model whose skin weighs on the plunger."""
     sessions = [session(10 * seed + i, 0.0, sigma=0.003) for i in range(3)]

@@ -43,7 +43,7 @@ def test_what_some_sessions_have_is_named_with_them(tmp_path, hide, having, seed
     assert set(found["evidence"]["not_in"]) == {names[i] for i in range(SESSIONS) if i not in having}
 
 
-@pytest.mark.parametrize("seed", rows([5, 6, 8, 9], 1))
+@pytest.mark.parametrize("seed", rows([5, 6, 8, 9], 0))
 def test_skin_that_is_a_hundredth_stiffer_or_softer_every_day_is_no_finding(tmp_path, seed):
     sessions, _ = make_sessions([], seed=seed, protocol="full", between=0.01)
     write_case(sessions, tmp_path)
@@ -53,7 +53,7 @@ def test_skin_that_is_a_hundredth_stiffer_or_softer_every_day_is_no_finding(tmp_
 
 
 @pytest.mark.parametrize("seed", rows([5, 6, 7, 8], 1))
-@pytest.mark.parametrize("fitted_alike", [False, True], ids=["every session", "the one that is held out"])
+@pytest.mark.parametrize("fitted_alike", rows([False, True], 1), ids=["every session", "the one that is held out"])
 def test_skin_of_another_specimen_is_named_with_its_numbers(tmp_path, seed, fitted_alike):
     specimens, alike = (make_sessions([], seed=seed, protocol="full", noise="white", between=b)[0] for b in (0.15, 0.0))
     write_case([*(alike if fitted_alike else specimens)[:2], specimens[2]], tmp_path)
@@ -93,7 +93,7 @@ def test_what_zeros_do_in_its_place_is_no_finding_and_the_search_goes_on(tmp_pat
     assert diagnose(train, held).findings["verdict"] != "nothing_wrong"
 
 
-@pytest.mark.parametrize("seed", rows([31, 33, 34, 35], 1))
+@pytest.mark.parametrize("seed", rows([31, 33, 34, 35], 0))
 def test_zeros_of_depth_as_stages_have_them_are_no_other_skin(tmp_path, seed):
     """A zero bends a force as numbers of its own would: it is one number of a session, and they are four."""
     sessions, _ = make_sessions([], seed=seed, protocol="full", noise="white", n_taxels=2)

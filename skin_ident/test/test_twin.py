@@ -53,6 +53,7 @@ def test_the_twin_itself_is_the_baseline():
     assert np.allclose(said[0], TWINS[0].force, atol=1e-9) and np.allclose(said[1:], TWINS[0].taxels, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_what_the_twin_lacks_is_named_and_what_it_holds_is_not():
     outcome = diagnose(MEASURED[:2], MEASURED[2:], twins=TWINS)
     assert names(outcome) == [("stress_relaxation", "skin")]
