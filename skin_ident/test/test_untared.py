@@ -9,8 +9,11 @@ from world import make_sessions, write_case
 
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.telemetry.untared import tared
+from skin_ident.criticism.telling.outcome import Outcome
 from skin_ident.recordings.load import load
 from skin_ident.recordings.recording import Recording
+from skin_ident.report.page import page
+from skin_ident.report.story import tell
 
 
 def driven(folder, zeros, taxels=1, seed=302):
@@ -26,6 +29,11 @@ def test_it_is_named_alone(tmp_path, zero):
     (said,) = found["findings"]
     assert (said["cause"], said["where"]) == ("force_offset", "load_cell") and "force_offset" in {a["cause"] for a in said["alternatives"]}
     assert said["parameters"]["offset"]["value"] == pytest.approx(zero, abs=0.05)
+    assert said["evidence"]["put_right"] and "taken out of the record" in said["evidence"]["simulated"]
+    story = tell(Outcome(found)).story
+    assert "The fault is in the record itself" in story.headline.line and "taken out before anything was compared" in page(
+        tell(Outcome(found))
+    )
 
 
 def test_of_one_session_that_was_not_tared_the_others_are_not_lowered(tmp_path):

@@ -14,7 +14,7 @@ from skin_ident.report.words import EVIDENCE, SHARES, capital, channel, sentence
 
 UNTOLD = (  # entries of the evidence that are shown elsewhere, or are for programs only
     "likelihood_gain", "held_out_fall_of_mean_square", "why", "unlike_simulated", "stuck", "count", "excursions", "ratio", "std",
-    "sessions", "in_model", "predicts_nothing_for", "only_in", "not_in",
+    "sessions", "in_model", "predicts_nothing_for", "put_right", "only_in", "not_in",
     "whole", "pattern", "of_each_session", "dead_from_s",
 )  # fmt: skip
 

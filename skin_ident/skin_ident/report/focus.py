@@ -72,7 +72,8 @@ def focus(traces: tuple[Trace, ...], view: View) -> Focus | None:
         return Focus(trace, row, *_most(trace, _spikes(trace, row)))
     trace = max(tested, key=_removed)
     row = _row(trace, view)
-    everywhere = any(f.direct and f.cause not in DIRECT for f in view.findings)  # such a cause acts in moments that are not compared
+    # Such a cause acts in moments that are not compared.
+    everywhere = any(f.direct and f.cause not in DIRECT and not f.put_right for f in view.findings)
     return Focus(trace, row, *window(trace, row, view.band_hz, everywhere=everywhere))
 
 

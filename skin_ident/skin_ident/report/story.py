@@ -139,7 +139,7 @@ def _headline(v: View) -> Headline:
 def _in_the_record(v: View) -> str:
     compared = any(None not in e.train for e in v.errors)
     rest = "the simulation matches the rest of it" if compared else "what is left of it is too little to judge a simulation"
-    if all(f.cause in DIRECT for f in v.findings):
+    if all(f.cause in DIRECT or f.put_right for f in v.findings):
         return f"The fault is in the record itself; {rest}."
     return f"It is seen in samples that the comparison leaves out; {rest}."
 

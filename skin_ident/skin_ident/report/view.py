@@ -153,10 +153,16 @@ class Finding:
         return self.cause == "dead_taxel" or (not self.gain.fall and (self.cause in DIRECT or self.says_whether_simulated))
 
     @property
+    def put_right(self) -> bool:
+        """Whether it was taken out of the whole record before anything was compared."""
+        return dict(self.evidence).get("put_right") is True
+
+    @property
     def unmeasured(self) -> str:
         """Why the comparison cannot measure its gain, as a clause; empty where it can, or where it is a fault of the record."""
         said = text(dict(self.evidence).get("predicts_nothing_for"))
-        beside = "" if self.cause in DIRECT else "the moments at which it acts are not compared"
+        beside = "it was taken out before anything was compared" if self.put_right else "the moments at which it acts are not compared"
+        beside = "" if self.cause in DIRECT else beside
         return (said or beside) if self.direct else ""
 
 

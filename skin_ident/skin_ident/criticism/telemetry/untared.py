@@ -36,7 +36,7 @@ def tared(recordings: list) -> tuple[list, tuple[Symptom, ...]]:
         return recordings, ()
     names, zero = [recordings[i].name for i in untared], float(np.median([zeros[i] for i in untared]))
     why = f"where no taxel feels anything the load cell reads {zero:.4g} N: it was not tared, or the taxels were tared under a load"
-    evidence = {"why": why, **in_sessions(names, [r.name for r in recordings])}
+    evidence = {"why": why, "put_right": True, **in_sessions(names, [r.name for r in recordings])}
     taxels = [sensor_of(f"taxel_{i}", len(recordings[0].taxels)) for i in range(len(recordings[0].taxels))]
     rivals = tuple(("force_offset", taxel) for taxel in taxels)
     symptom = Symptom("force_offset", "load_cell", ("force",), {"offset": quantity(zero, "N")}, evidence, alternatives=rivals, apart=APART)

@@ -126,6 +126,8 @@ def _never_loaded(certain: dict[str, float], left: dict[str, float]) -> list[str
 def _simulated(symptom: Symptom, predicts: bool) -> dict[str, Any]:
     """Whether the extended model contains the fault and predicts data with it, in fields and as a sentence."""
     effect = effect_of(symptom)
+    if symptom.evidence.get("put_right"):
+        return {"simulated": "no: it was taken out of the record, as a tare would have done", "in_model": False}
     if symptom.evidence.get(UNLIKE):
         why = "the effect of the simulated skin has another form, which would fit the record worse than none"
         return {"simulated": f"no: {why}", "in_model": False}
