@@ -44,7 +44,9 @@ def test_of_one_session_that_was_not_tared_the_others_are_not_lowered(tmp_path):
     assert abs(np.percentile(right[1].force, 2)) < 0.1 and right[1].step("force") == pytest.approx(recordings[1].step("force"))
 
 
-@pytest.mark.parametrize("name", ["tared", "a depth", "a preload", "a preload that is held", "an upside-down load cell"])
+@pytest.mark.parametrize(
+    "name", ["tared", "a depth", "a preload", "a preload that is held", "one force throughout", "an upside-down load cell"]
+)
 def test_what_was_tared_stays_as_it_is(tmp_path, name):
     """Nor is a true preload taken for a zero, of which the taxels feel their share."""
     rng, t = np.random.default_rng(4), np.arange(6000) * 0.01
@@ -54,6 +56,7 @@ def test_what_was_tared_stays_as_it_is(tmp_path, name):
         "a depth": np.maximum(4.0 * waves, 0.0) + 5.0,
         "a preload": 10.0 + waves,
         "a preload that is held": 0.5 + np.maximum(4.0 * waves, 0.0),
+        "one force throughout": np.full(t.size, 5.0),
         "an upside-down load cell": np.maximum(4.0 * waves, 0.0),
     }[name]
     force = np.round((load_of + 0.01 * rng.standard_normal(t.size)) / 0.005) * 0.005

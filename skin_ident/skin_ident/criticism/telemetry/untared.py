@@ -52,11 +52,12 @@ def _reads_of_nothing(r) -> float:
     for _ in range(3):
         low = np.abs(r.force - zero) <= RESTS * noise
         zero = float(np.median(r.force[low])) if low.any() else zero
+    if not abs(zero) > max(SLIGHT * (most - zero), noise) or most - zero <= RESTS * noise:
+        return 0.0
     high = r.force >= most
     idle, pressed = float(np.median(felt[low])), float(np.median(felt[high]))
     answer = abs((pressed - idle) / (float(np.median(r.force[high])) - zero) * zero)
-    shown = abs(zero) > max(SLIGHT * (most - zero), noise) and answer > SURE * _noise(felt)
-    return zero if shown and abs(idle) <= IDLE * answer else 0.0
+    return zero if answer > SURE * _noise(felt) and abs(idle) <= IDLE * answer else 0.0
 
 
 def _noise(y: np.ndarray) -> float:
