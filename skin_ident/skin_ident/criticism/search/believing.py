@@ -134,11 +134,13 @@ def _mends_a_form(search: Search, trial: Trial, gain: Gain) -> bool:
     """Whether a trial is small and explains little that more of the named causes would not. Soft play, fitted as hard play, leaves a
     loop; and a loop of the load cell, whose form is never exact, leaves a far smaller one that the skin's form may mend."""
     others = {n.key for n in search.named}
-    kin = [n.explained for n in search.named if n.cause == trial.key[0] and n.key != trial.key and n.gain.channel == gain.channel]
+    if not others or trial.key in others:
+        return False
+    kin = [n.explained for n in search.named if n.cause == trial.key[0] and n.gain.channel == gain.channel]
     if trial.score < KIN * max(kin, default=0.0):
         return True
-    small = trial.score < SMALL * max((n.explained for n in search.named), default=0.0)
-    return bool(others) and small and trial.key not in others and search.survey().of_its_own(trial.key, others) < OF_ITS_OWN
+    small = trial.score < SMALL * max(n.explained for n in search.named)
+    return small and search.survey().of_its_own(trial.key, others) < OF_ITS_OWN
 
 
 def _mends_a_history(search: Search, trial: Trial) -> bool:
