@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from array_making import Spread, analysed, found, names, names_or_rivals, record, record_at
+from rows import rows
 
 from skin_ident.criticism.array.layout import layout_of
 from skin_ident.criticism.array.sentences import why
@@ -90,7 +91,7 @@ def test_a_block_that_was_written_twice_is_left_out_of_the_ratios(tmp_path):
     assert {f["cause"] for f in findings} == {"data_error", "spread_width"}
 
 
-@pytest.mark.parametrize(("size", "also"), [(1.0, {("gain_error", "taxel_2")}), (None, set())], ids=["a gain", "nothing else"])
+@pytest.mark.parametrize(("size", "also"), rows([(1.0, {("gain_error", "taxel_2")}), (None, set())], 1), ids=["a gain", "nothing else"])
 def test_beside_a_dead_taxel_the_others_are_judged(tmp_path, size, also):
     hidden = ("gain_error", "static", "taxel_2", size) if size else ()
     recordings = record_at(tmp_path, (*ALONG, (2, 0)), *hidden, seed=2, taxels=4, careful=True, **SHORT)

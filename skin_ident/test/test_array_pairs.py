@@ -93,6 +93,7 @@ def test_one_cause_alone_stays_alone(tmp_path, alone, seed):
     assert len(a.tried) == 1 and a.left.sure < 0.5
 
 
+@pytest.mark.slow
 def test_both_are_told_with_their_gains_and_the_written_model_has_both(tmp_path):
     recordings = record_at(tmp_path, AROUND, *GAIN, seed=0, taxels=4, careful=True, also=[(Spread("oval"), 0.2)], **SHORT)
     outcome = diagnose(recordings[:-1], recordings[-1:])

@@ -72,7 +72,7 @@ def test_counts_are_lost_wherever_blocks_of_a_session_begin(tmp_path, moment):
 
 
 @pytest.mark.parametrize(
-    ("seed", "protocol", "late_s"), rows([(51, "full", 0.0137), (1222616119, "single_rate_triangles", 0.08), (52, "full", 0.0137)], 2)
+    ("seed", "protocol", "late_s"), rows([(1222616119, "single_rate_triangles", 0.08), (51, "full", 0.0137), (52, "full", 0.0137)], 1)
 )
 def test_a_buffer_that_slips_is_late_in_steps(tmp_path, seed, protocol, late_s):
     made, _ = make_sessions(None, seed=seed, n_sessions=3, noise="white", protocol=protocol)
@@ -103,7 +103,7 @@ def test_where_two_sessions_are_all_a_gain_that_steps_is_told_beside_another_ski
     assert max(values) < 0.01 and ("parameters", "skin") in {(u["cause"], u.get("where")) for u in findings["untestable"]}
 
 
-@pytest.mark.parametrize("late_s", rows([0.006, 0.015], 1))
+@pytest.mark.parametrize("late_s", rows([0.006, 0.015], 0))
 def test_a_clock_that_wanders_is_late_by_so_much_in_turn(tmp_path, late_s):
     """Damping takes the mean of the delay, up to all that there is; what is left steps nowhere."""
     made, _ = make_sessions(None, seed=53, n_sessions=3, noise="white")

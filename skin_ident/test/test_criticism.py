@@ -15,8 +15,9 @@ from skin_ident.criticism.vocabulary import CAUSES
 from skin_models.catalogue import effects
 
 FOUND = [
-    ("lag", "taxel_0", "one_pole"),
     ("stress_relaxation", "skin", "prony2"),
+    ("lag", "taxel_0", "one_pole"),
+    ("dead_zone", "taxel_0", "gradual"),
     ("nonlinear_stiffness", "skin", "fung"),
     ("backlash", "rig", "play"),
     ("drift", "load_cell", "creep_under_load"),
@@ -28,7 +29,6 @@ FOUND = [
     ("force_offset", "taxel_0", "constant"),
     ("lag", "taxel_0", "two_pole"),
     ("backlash", "rig", "zeroed"),
-    ("dead_zone", "taxel_0", "gradual"),
 ]
 
 
@@ -49,7 +49,7 @@ def test_a_part_that_lags_is_found_where_damping_takes_what_a_plain_lag_would_ex
     assert found.names == [("lag", "taxel")]
 
 
-@pytest.mark.parametrize("seed", rows(range(6), 1))
+@pytest.mark.parametrize("seed", rows(range(6), 2))
 def test_silence_when_nothing_is_hidden(tmp_path, seed):
     found = seek(tmp_path, None, seed=500 + seed)
     assert found.names == [] and found.findings["verdict"] == "nothing_wrong", found.names

@@ -58,7 +58,7 @@ def left_in_a_hurry(path):
 
 
 @pytest.mark.parametrize("seed", rows((5, 6), 1))
-@pytest.mark.parametrize("follows", rows([False, True], 1))
+@pytest.mark.parametrize("follows", rows((False, True), 1))
 def test_what_a_taxel_reads_of_skin_that_nothing_presses_is_not_judged(tmp_path, seed, follows, monkeypatch):
     """Skin that recovers under no force may still press on its taxels, or not at all: in either case nothing is wrong."""
     monkeypatch.setitem(protocols.BODIES, "hurry", left_in_a_hurry)
@@ -73,7 +73,8 @@ def test_what_a_taxel_reads_of_skin_that_nothing_presses_is_not_judged(tmp_path,
 
 
 @pytest.mark.parametrize(
-    ("zeros", "gains", "cause"), [((0.15, -0.2, 0.1), (1, 1, 1), "force_offset"), ((0, 0, 0), (1, 1, 0.95), "gain_error")]
+    ("zeros", "gains", "cause"),
+    [pytest.param((0.15, -0.2, 0.1), (1, 1, 1), "force_offset", marks=pytest.mark.slow), ((0, 0, 0), (1, 1, 0.95), "gain_error")],
 )
 def test_a_load_cell_that_drives_the_test_may_itself_be_wrong(tmp_path, zeros, gains, cause):
     made = make_sessions(None, seed=8, n_sessions=3, noise="white")[0]
@@ -146,6 +147,7 @@ def test_one_session_says_what_the_second_would_be_for(tmp_path, sessions):
     assert len(findings["recordings"]) == 1 and findings["recordings"][0]["compared"]["left_out"] > 0
 
 
+@pytest.mark.slow
 def test_sessions_of_two_rates(tmp_path):
     both = [make_sessions(*RELAXING, seed=75, n_sessions=2, rate=r)[0][i] for i, r in enumerate((50.0, 100.0))]
     recordings = [read(tmp_path / str(i), [s])[0] for i, s in enumerate(both)]

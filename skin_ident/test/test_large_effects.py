@@ -15,7 +15,7 @@ LARGE = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("cause", "size"), rows(LARGE, 1))
+@pytest.mark.parametrize(("cause", "size"), rows(LARGE, 0))
 def test_a_large_effect_is_named_alone(cause, size):
     r = result(Case(cause, size, 0))
     assert r["named"] == [(cause, r["where"])] and r["verdict"] == "explained"

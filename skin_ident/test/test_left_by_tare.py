@@ -58,7 +58,7 @@ def test_sessions_that_were_tared_in_noise_that_wanders_are_sound(pole):
     assert len(loud) <= 1, loud
 
 
-@pytest.mark.parametrize("seed", rows(range(2), 1))
+@pytest.mark.parametrize("seed", rows([1, 0], 1))
 def test_a_zero_that_no_tare_leaves_is_named(seed):
     """As large as the wandering noise above, in noise that is white."""
     made = [replace(r, force=r.force + 1.5 * NOISE) for r in tared(100 * seed, 0.0)]

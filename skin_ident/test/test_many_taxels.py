@@ -80,7 +80,7 @@ def lagging(taxels):
 COUNTED = "taxels are counted from 0: taxel_0 is taxel_1, taxel_5 is taxel_6"  # said in reading, of all taxels
 
 
-@pytest.mark.parametrize(("spoil", "expected"), rows([(lagging, ("lag", "taxel_2")), (clipped, ("saturation", "taxel_7"))], 1))
+@pytest.mark.parametrize(("spoil", "expected"), rows([(lagging, ("lag", "taxel_2")), (clipped, ("saturation", "taxel_7"))], 0))
 def test_what_a_taxel_has_of_its_own_is_found_among_many(spoil, expected):
     recordings = [grid(i, spoil).warned(COUNTED) for i in range(2)]
     few = loaded_most(recordings)

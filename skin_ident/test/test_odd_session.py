@@ -138,6 +138,7 @@ def test_sessions_at_other_places_are_not_compared():
     assert not put_right([reordered((2, 1, 0))(r[0]), *r[1:]])[1]
 
 
+@pytest.mark.slow
 def test_it_is_the_finding_and_the_rest_is_judged_without_it():
     outcome = diagnose(sessions(4, 1, reordered((2, 1, 0))))
     assert [f["cause"] for f in outcome.findings["findings"]] == ["data_error"] and outcome.findings["verdict"] == "explained"

@@ -17,7 +17,7 @@ from skin_models.model import Model
 from skin_models.signals import motion
 
 
-@pytest.mark.parametrize("form", rows(["pull_off", "jkr"], 1))
+@pytest.mark.parametrize("form", rows(["pull_off", "jkr"], 0))
 def test_a_skin_that_holds_on_is_found(tmp_path, form):
     found = seek(tmp_path, "adhesion", where="skin", form=form, size=1.0, seed=41)
     assert ("adhesion", "skin") in found.names, found.names

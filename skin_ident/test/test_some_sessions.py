@@ -32,7 +32,7 @@ def month(folder, hide, having, seed, **how):
     return [r for i, r in enumerate(every) if i != HELD], [every[HELD]]
 
 
-@pytest.mark.parametrize(("hide", "having", "seed"), rows(SINCE, 1), ids=lambda h: getattr(h, "cause", ""))
+@pytest.mark.parametrize(("hide", "having", "seed"), rows(SINCE, 0), ids=lambda h: getattr(h, "cause", ""))
 def test_what_some_sessions_have_is_named_with_them(tmp_path, hide, having, seed):
     train, held = month(tmp_path, hide, having, seed)
     findings = diagnose(train, held).findings
@@ -53,7 +53,7 @@ def test_skin_that_is_a_hundredth_stiffer_or_softer_every_day_is_no_finding(tmp_
 
 
 @pytest.mark.parametrize("seed", rows([5, 6, 7, 8], 1))
-@pytest.mark.parametrize("fitted_alike", rows([False, True], 1), ids=["every session", "the one that is held out"])
+@pytest.mark.parametrize("fitted_alike", rows([True, False], 1), ids=["the one that is held out", "every session"])
 def test_skin_of_another_specimen_is_named_with_its_numbers(tmp_path, seed, fitted_alike):
     specimens, alike = (make_sessions([], seed=seed, protocol="full", noise="white", between=b)[0] for b in (0.15, 0.0))
     write_case([*(alike if fitted_alike else specimens)[:2], specimens[2]], tmp_path)

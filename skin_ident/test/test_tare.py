@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from gate_records import DEPTH, PLAIN, QUICK, recorded
 
 from skin_ident.criticism.baseline.fitting import fit
@@ -96,6 +97,7 @@ def test_a_course_of_a_held_out_session_is_fitted_without_its_zeros():
     assert untared(search) is search.held  # they are taken back once
 
 
+@pytest.mark.slow
 def test_zeros_within_a_step_are_nothing_wrong():
     made = sessions()
     findings = diagnose(made[:2], made[2:]).findings

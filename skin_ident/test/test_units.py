@@ -79,6 +79,7 @@ def test_nor_a_force_that_is_held(creep):
     assert find_unit_faults([held_force(creep)]) == [] and put_right([held_force(creep)])[1] == ()
 
 
+@pytest.mark.slow
 def test_nor_does_a_diagnosis_that_has_the_hold_among_its_sessions():
     found = diagnose([sines(1), hold(3.5e-6)], [sines(2)]).findings["findings"]
     assert [f for f in found if f["cause"] == "data_error"] == []

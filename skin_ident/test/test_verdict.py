@@ -54,7 +54,7 @@ def grows(r):
     return replace(r, force=r.force + 0.02 * r.force * np.random.default_rng(5).standard_normal(r.t.size))
 
 
-@pytest.mark.parametrize("spoil", [coarse, heavy_tailed, grows])
+@pytest.mark.parametrize("spoil", rows([heavy_tailed, grows, coarse], 2))
 def test_noise_of_any_kind_is_nothing_wrong(spoil):
     findings = diagnose([spoil(session(i)) for i in (11, 12, 13)]).findings
     assert findings["verdict"] == "nothing_wrong" and not findings["warnings"]
