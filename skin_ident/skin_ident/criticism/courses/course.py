@@ -30,7 +30,7 @@ from skin_ident.criticism.noise.pursuit import Normal
 from skin_ident.criticism.noise.steps import sharpest
 from skin_ident.criticism.noise.whitening import Whitener, stack
 from skin_ident.criticism.projection import basis, projected_off
-from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.sessions.session import Session, with_zeros
 from skin_models.model import Model
 
 MOMENTS = 24  # intervals of the even grid of a session on which steps are first searched for,
@@ -116,11 +116,6 @@ def _of_sensors(runs: list[Run], ground: "_Ground") -> list[Run]:
 def added(sessions: list[Session], values: dict[str, np.ndarray]) -> list[Session]:
     """The sessions with a course added to their simulation; `values` (C, N) N by name of the session."""
     return [replace(s, course=values[s.name] + (0.0 if s.course is None else s.course)) for s in with_zeros(sessions, values)]
-
-
-def with_zeros(sessions: list[Session], values: dict[str, np.ndarray]) -> list[Session]:
-    """The same with what is no finding, such as zeros that tares leave: the baseline is compared with it as well."""
-    return [replace(s, beyond=values[s.name] + (0.0 if s.beyond is None else s.beyond)) for s in sessions]
 
 
 def fitted(

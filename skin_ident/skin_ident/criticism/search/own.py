@@ -7,7 +7,7 @@ import numpy as np
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, grown_noise_of, noise_of
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.courses.carriers import DELAY, DEPTH, SLOPE, ZERO
-from skin_ident.criticism.courses.course import added, fitted, with_zeros
+from skin_ident.criticism.courses.course import added, fitted
 from skin_ident.criticism.courses.gate import believed, course_gain, helps, stands
 from skin_ident.criticism.courses.kinds import STEPS, WAVE
 from skin_ident.criticism.courses.run import Run
@@ -24,7 +24,7 @@ from skin_ident.criticism.search.rivals import Rival, own_rivals, reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.tared import take_zeros, taken_off, untared
 from skin_ident.criticism.search.trial import Trial
-from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.sessions.session import Session, with_zeros
 from skin_ident.criticism.vocabulary import Key
 from skin_models.model import Model
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
-from skin_ident.criticism.courses.course import added, with_zeros
+from skin_ident.criticism.courses.course import added
 from skin_ident.criticism.courses.left_by_tare import tare_of_drive, tares
 from skin_ident.criticism.courses.run import LEAST_SCORE, least_depth
 from skin_ident.criticism.courses.tare import Zeros, added_by, zeros
@@ -12,7 +12,7 @@ from skin_ident.criticism.search.hardware import tare_does, zeros_do
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.search.state import Search
-from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.sessions.session import Session, with_zeros
 from skin_ident.criticism.telemetry.symptom import sensor_of
 from skin_ident.criticism.vocabulary import FORCE_OFFSET, POSITION_OFFSET, SENSORS
 from skin_models.model import Model

@@ -134,6 +134,12 @@ def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) ->
     return replace(session, drive=drive, drive_noise=band.white(recording.force), drive_step=recording.step("force") or 0.0)
 
 
+def with_zeros(sessions: list[Session], values: dict[str, np.ndarray]) -> list[Session]:
+    """The sessions with `values` (C, N) N by name added to their simulation that are no finding, such as zeros that tares leave: the
+    baseline is compared with them as well."""
+    return [replace(s, beyond=values[s.name] + (0.0 if s.beyond is None else s.beyond)) for s in sessions]
+
+
 def with_reference(sessions: list[Session]) -> list[Session]:
     """The sessions with the taxel of the largest share as reference, of those that answer, set in the session where it occurs, if all have
     shares of their own; else unchanged."""
