@@ -55,12 +55,10 @@ class Lag(Dynamic):
 
 
 @dataclass(frozen=True)
-class SecondOrderLag(Dynamic):
+class SecondOrderLag(Lag):
     """Sensor lag of two poles, as an anti-aliasing filter has. A small one equals one of first order, which is tried before it."""
 
-    cause: ClassVar[str] = "lag"
     form: ClassVar[str] = "second_order"
-    places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
     source: ClassVar[str] = "Franklin, Powell and Workman 1998, section 6.3.2"
     proposed: ClassVar[bool] = False
     refines: ClassVar[type] = Lag
@@ -93,12 +91,10 @@ class SecondOrderLag(Dynamic):
 
 
 @dataclass(frozen=True)
-class AveragedLag(Dynamic):
+class AveragedLag(Lag):
     """The mean of what a sensor felt in the last 2 tau, which many amplifiers return to be rid of noise and of mains."""
 
-    cause: ClassVar[str] = "lag"
     form: ClassVar[str] = "averaged"
-    places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
     source: ClassVar[str] = "Smith 1997, ch. 15"
     proposed: ClassVar[bool] = False
     refines: ClassVar[type] = Lag
@@ -120,22 +116,16 @@ class AveragedLag(Dynamic):
 
 
 @dataclass(frozen=True)
-class PartialLag(Dynamic):
+class PartialLag(Lag):
     """Sensor lag of a part of the signal, as of a sensor under a soft layer that yields. A slower part is creep, a form of drift."""
 
-    cause: ClassVar[str] = "lag"
     form: ClassVar[str] = "partial"
-    places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
     source: ClassVar[str] = "Tschoegl 1989, ch. 3"
     proposed: ClassVar[bool] = False
     refines: ClassVar[type] = Lag
 
     tau: float = quantity("s", 0.0, lower=0.0, upper=2.0, typical=0.05, negligible=PROMPT, doc="delay of slow inputs, at most T")
     settling: float = quantity("s", 0.3, lower=1e-3, upper=2.0, role=SHAPE, typical=0.3, doc="time T in which the late part comes")
-
-    def initial(self, rng=None) -> None:
-        """None: the first sample is taken as rest. From then on the state is z[n-1] and y[n-1], N."""
-        return None
 
     def step(self, state, y, s: Sample, dt: float):
         """z[n] = e z[n-1] + (g - e) y[n-1] + (1 - g) y[n] for T."""
