@@ -13,8 +13,9 @@ from world.hidden import Hide
 
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.courses.carriers import SLOPE, ZERO
-from skin_ident.criticism.courses.course import _ground, _run, shows_in_the_air
+from skin_ident.criticism.courses.course import _run, shows_in_the_air
 from skin_ident.criticism.courses.gate import _agrees, _share
+from skin_ident.criticism.courses.ground import ground_of
 from skin_ident.criticism.courses.kinds import CONSTANT, STEPS, Course
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.gates.gate import Gain
@@ -209,7 +210,7 @@ def stepping(depth=DEPTH, size=0.1, spikes=0.0):
 
 def test_without_air_a_zero_that_jumps_is_judged_under_load():
     s, noise = stepping(DEPTH + 1e-3)
-    ground = _ground(PLAIN, [s], noise)
+    ground = ground_of(PLAIN, [s], noise)
     run = _run(STEP_OF_ZERO, ground)
     assert run.score > 100.0 and shows_in_the_air(run, ground.plain, ground.sessions)
 
@@ -218,7 +219,7 @@ def test_without_air_a_zero_that_jumps_is_judged_under_load():
 def test_a_zero_of_a_session_shows_in_its_air_and_a_skin_that_differs_does_not(stiffer, zero, shows):
     r = recorded(PLAIN, np.where(T < 4.0, -2e-4, DEPTH))
     s = prepare(replace(r, force=stiffer * r.force + zero))
-    ground = _ground(PLAIN, [s], fit_whitener([residual(PLAIN, prepare(r))], [prepare(r)]))
+    ground = ground_of(PLAIN, [s], fit_whitener([residual(PLAIN, prepare(r))], [prepare(r)]))
     run = _run(replace(STEP_OF_ZERO, shape=CONSTANT), ground)
     assert run.score > 100.0 and run.largest > 0.05
     assert shows_in_the_air(run, ground.plain, ground.sessions) == shows
@@ -229,7 +230,7 @@ def test_samples_that_are_ruled_out_make_no_zero_faint(spikes):
     shares = []
     for size in (0.0, spikes):
         s, noise = stepping(spikes=size)
-        shares.append(_share(_run(STEP_OF_ZERO, _ground(PLAIN, [s], noise)), PLAIN, [s]))
+        shares.append(_share(_run(STEP_OF_ZERO, ground_of(PLAIN, [s], noise)), PLAIN, [s]))
     assert shares[1] > 0.9 * shares[0]
 
 
@@ -237,7 +238,7 @@ def test_of_gains_whose_mean_is_the_stiffness_one_fewer_is_charged():
     sessions = [prepare(recorded(PLAIN, seed=seed)) for seed in (1, 2, 3)]
     noise = fit_whitener([residual(PLAIN, s) for s in sessions], sessions)
     some = basis(stack([np.zeros((1, *s.measured.shape)) for s in sessions], sessions, noise))
-    ground = _ground(PLAIN, sessions, noise, some)
+    ground = ground_of(PLAIN, sessions, noise, some)
     gains, zeros = (_run(Course(carrier, CONSTANT, (0,), "load_cell"), ground) for carrier in (SLOPE, ZERO))
     assert gains.charge == pytest.approx(2.0 / 3.0 * zeros.charge)
 
@@ -247,7 +248,5 @@ def test_a_taxel_that_nothing_loads_has_no_gain():
     s = prepare(recorded(silent))
     noise = fit_whitener([residual(silent, s)], [s])
     some = basis(stack([np.zeros((1, *s.measured.shape))], [s], noise))
-    assert (
-        _run(Course(SLOPE, CONSTANT, (1,), "taxel"), _ground(silent, [s, replace(s, name="b")], noise, np.concatenate([some, some]))).score
-        == 0.0
-    )
+    ground = ground_of(silent, [s, replace(s, name="b")], noise, np.concatenate([some, some]))
+    assert _run(Course(SLOPE, CONSTANT, (1,), "taxel"), ground).score == 0.0

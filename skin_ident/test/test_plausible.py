@@ -9,7 +9,7 @@ from skin_ident.criticism.search.plausible import plausible
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
-from skin_models.effects.hysteresis import BoucWenHysteresis, SkinHysteresis
+from skin_models.effects.hysteresis import BoucWenHysteresis, LaggingHysteresis, SensorHysteresis, SkinHysteresis
 from skin_models.effects.rate_dependence import PowerDamping
 from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.model import Model
@@ -34,7 +34,12 @@ def allowed(effect) -> bool:
     [
         (SkinHysteresis("skin", **STIFF, threshold=0.2e-3), True),
         (SkinHysteresis("skin", **STIFF, threshold=1.0e-3), False),  # it never yields
+        (SkinHysteresis("skin", **STIFF, threshold=0.7e-3), False),  # it yields once, on the way to the deepest press
+        (LaggingHysteresis("skin", **STIFF, threshold=0.85e-3), False),
+        (SensorHysteresis("load_cell", relative=0.02, threshold=9.0), False),  # of some 12 N
+        (SensorHysteresis("load_cell", relative=0.02, threshold=4.0), True),
         (BoucWenHysteresis("skin", **STIFF, threshold=1.0e-3), True),  # it yields all the time
+        (BoucWenHysteresis("skin", **STIFF, threshold=5.0e-3), False),  # next to never
         (SkinHysteresis("skin", **STIFF, threshold=1e-6), False),  # a brake
         (StressRelaxation("skin", k_sensed=6000.0, k_dispersed=3000.0, tau=0.01), False),  # a filter
         (StressRelaxation("skin", **STIFF, tau=1.0), True),

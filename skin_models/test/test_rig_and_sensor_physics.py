@@ -10,7 +10,7 @@ from scipy.signal import lsim
 from skin_models.catalogue import effects
 from skin_models.effects.backlash import Backlash, SlackEncoder, WindUp, ZeroedBacklash
 from skin_models.effects.crosstalk import Crosstalk
-from skin_models.effects.drift import Creep, LogDrift, LogGainDrift
+from skin_models.effects.drift import Creep, LogDrift, LogGainDrift, WarmingUp
 from skin_models.effects.gain_error import GainStep
 from skin_models.effects.hysteresis import LoadedSensorHysteresis, SensorHysteresis
 from skin_models.effects.lag import AveragedLag, Lag, OneSidedLag, SecondOrderLag
@@ -82,6 +82,9 @@ def test_drift_counts_from_the_first_sample_whatever_the_clock_says():
     zero = LogDrift(where="load_cell", per_decade=0.2, tau=0.1).batch(y, s) - y
     assert (zero[99], zero[999]) == pytest.approx((0.4, 0.6), abs=1e-3)
     assert LogGainDrift(where="load_cell", per_decade=0.1, tau=0.1).batch(y, s)[99] == pytest.approx(2.0 * 1.2, abs=1e-3)
+    assert WarmingUp(where="load_cell", change=0.2, tau=10.0).batch(y, s)[[0, 100]] - 2.0 == pytest.approx(
+        [0.0, 0.2 * (1.0 - np.exp(-1.0))]
+    )
     step = GainStep(where="load_cell", gain=0.5, after=50.0).batch(y, s)
     assert np.array_equal(np.unique(step), [2.0, 3.0]) and step[499] == 2.0 and step[501] == 3.0
 

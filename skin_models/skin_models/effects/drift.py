@@ -2,6 +2,7 @@
 
     zero, linear         y' = y + d T
     zero, logarithmic    y' = y + A log10(1 + T / tau)
+    zero, warming up     y' = y + A (1 - exp(-T / tau))
     gain, linear         y' = y (1 + d T)
     gain, logarithmic    y' = y (1 + A log10(1 + T / tau))        what FlexiForce's "drift per logarithmic time" means under load
     creep                y' = y + c z,   tau z' + z = y           z(0) = y(0): goes on rising under a load, and comes back without
@@ -9,7 +10,7 @@
 A reading that falls while the depth is held is relaxation of the skin; creep only rises. Several arms add up to any creep curve.
 
 Sources: Tekscan FlexiForce A201 data sheet (drift < 5 % per logarithmic time scale); OIML R 60, Metrological regulation for load cells,
-2017 (creep, and the return of the zero).
+2017 (creep, and the return of the zero; warm-up time).
 """
 
 from collections.abc import Iterator
@@ -26,6 +27,7 @@ from skin_models.signals import Motion, Sample
 
 SENSORS = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
 ONSETS = (0.1, 1.0, 10.0, 100.0)  # s
+WARM_AFTER = (3.0, 10.0, 30.0)  # s; what takes longer is linear or logarithmic in a recording
 TIMES = 4.0  # length of the shortest recording that determines creep, in time constants
 
 
@@ -63,6 +65,24 @@ class LogDrift(Elapsed):
     def apply(self, y, elapsed):
         """y + A log10(1 + T / tau)."""
         return y + self.per_decade * np.log10(1.0 + elapsed / self.tau)
+
+
+@dataclass(frozen=True)
+class WarmingUp(Elapsed):
+    """A zero that goes to where it stays once the amplifier is warm."""
+
+    cause: ClassVar[str] = "drift"
+    form: ClassVar[str] = "warm_up"
+    places: ClassVar = SENSORS
+    source: ClassVar[str] = "OIML R 60"
+    linear: ClassVar[bool] = True
+
+    change: float = quantity("N", 0.0, lower=-100.0, upper=100.0, typical=0.2, doc="change A in all")
+    tau: float = quantity("s", 10.0, lower=2.0, upper=1e3, role=SHAPE, typical=10.0, scan=WARM_AFTER, doc="time constant tau")
+
+    def apply(self, y, elapsed):
+        """y + A (1 - exp(-T / tau))."""
+        return y - self.change * np.expm1(-elapsed / self.tau)
 
 
 @dataclass(frozen=True)

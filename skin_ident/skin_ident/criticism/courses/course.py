@@ -13,30 +13,27 @@ taxels, times 1 or F). The shapes phi_k are a constant, steps at moments to be f
 Whether held-out sessions confirm a course is decided in `gate`.
 """
 
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import lsq_linear
 
 from skin_ident.criticism.baseline.residual import simulated
-from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, SLOPE, ZERO, after_jump, carried
+from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, SLOPE, ZERO, carried
+from skin_ident.criticism.courses.ground import MOMENTS, Ground, fitted_ground, held_ground, phi
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course, common_slope, courses
-from skin_ident.criticism.courses.left_by_tare import MORE_BY_LARGER_ZEROS, Tare, drive_rests, tare_of_drive, tares
+from skin_ident.criticism.courses.left_by_tare import MORE_BY_LARGER_ZEROS, drive_rests
 from skin_ident.criticism.courses.run import LEAST_SCORE, Moments, Run
 from skin_ident.criticism.courses.words import said_of
-from skin_ident.criticism.gates.uncertain import Open, own_rows
+from skin_ident.criticism.gates.uncertain import Open
 from skin_ident.criticism.noise.pursuit import Normal
 from skin_ident.criticism.noise.steps import sharpest
 from skin_ident.criticism.noise.whitening import Whitener, stack
-from skin_ident.criticism.projection import basis, projected_off
 from skin_ident.criticism.sessions.session import Session, with_zeros
 from skin_models.model import Model
 
-MOMENTS = 24  # intervals of the even grid of a session on which steps are first searched for,
 SHARPEST = 6  # and further candidates, where a single step would explain most
 MOST_STEPS = 4  # steps per session, on average
-SEEN = 0.01  # share of the energy of a step from the start on that the last possible step must still have
 SECANTS = 2  # times at most that a delay is refitted, linearised about the delay found before
 SHORT = 0.1  # share of a period at the band's edge, below which a delay needs one refit only
 LASTING_S, UNDONE = 1.0, 0.5  # s that a step must last, unless more than this share of it remains afterwards
@@ -54,7 +51,7 @@ def bends_of_each_session(model: Model, sessions: list[Session]) -> list[np.ndar
 
     def of(s: Session) -> np.ndarray:
         plain = simulated(model, s)
-        zeros = [s.band.thin(carried(ZERO, c.rows, model, s, plain) * phi) for c in every for phi in _on(_knots(c, s), c, s)]
+        zeros = [s.band.thin(carried(ZERO, c.rows, model, s, plain) * hat) for c in every for hat in phi(_knots(c, s), c, s)]
         return np.array([*zeros, s.band.thin(carried(DEPTH if s.drive is None else DRIVE, (), model, s, plain))])
 
     rows = [of(s) for s in sessions]
@@ -66,17 +63,16 @@ def bends_of_each_session(model: Model, sessions: list[Session]) -> list[np.ndar
 def worthwhile(model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
     """Courses that explain part of what `model` leaves of `sessions`, the best first, with the model's own unknowns projected out. If the
     best one is of a size that good hardware has, it is returned alone, and its `worth` is false."""
-    Q = basis(stack(own_rows(model, sessions, sessions), sessions, noise))
-    return _worthwhile(_ground(model, sessions, noise, Q), encoder_step)
+    return _worthwhile(fitted_ground(model, sessions, noise), encoder_step)
 
 
 def beside_the_rest(model: Model, train: list[Session], held: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
     """Courses that explain part of the residual of `held` sessions, to which `model` was not fitted: what is wrong in them alone. The model
     may change there as far as `train` leaves it uncertain: a taxel that no training session loads may read anything."""
-    return _worthwhile(_held_ground(model, held, noise, Open.to(model, train, held, noise)), encoder_step)
+    return _worthwhile(held_ground(model, held, noise, Open.to(model, train, held, noise)), encoder_step)
 
 
-def _worthwhile(ground: "_Ground", encoder_step: float) -> list[Run]:
+def _worthwhile(ground: Ground, encoder_step: float) -> list[Run]:
     runs = [
         r for r in (_run(course, ground) for course in courses(ground.sessions[0])) if shows_in_the_air(r, ground.plain, ground.sessions)
     ]
@@ -103,7 +99,7 @@ def shows_in_the_air(run: Run, plain: dict[str, np.ndarray], sessions: list[Sess
     return after < before or samples < FEW_IN_AIR
 
 
-def _of_sensors(runs: list[Run], ground: "_Ground") -> list[Run]:
+def _of_sensors(runs: list[Run], ground: Ground) -> list[Run]:
     """The runs without the slopes of one channel where a slope common to all channels explains nearly as much: that is no fault of one
     sensor."""
     sloped = max((r.score for r in runs if r.course.carrier == SLOPE), default=0.0)
@@ -123,85 +119,10 @@ def fitted(
 ) -> Run:
     """The course fitted to the residual of `model`, with what is `free` to change of the model. Steps are searched for, or placed `at`
     given moments."""
-    ground = _held_ground(model, sessions, noise, free) if free else _ground(model, sessions, noise)
-    return _run(course, ground, at)
+    return _run(course, held_ground(model, sessions, noise, free), at)
 
 
-@dataclass(frozen=True)
-class _Ground:
-    """What all courses are fitted to: the simulated sessions, `plain` (C, N) by name, and the whitened residual `left` (R,) after
-    projection off `Q` (R, U), the span of what the model may change by itself (None: nothing). Rows of `Q` beyond those of the sessions are
-    what other sessions know of the model. `alone`: only these sessions are asked for courses, and other sessions determine the slopes.
-    Delays are linearised about `late`, (N,) s by name."""
-
-    model: Model
-    sessions: list[Session]
-    noise: Whitener
-    Q: np.ndarray | None
-    plain: dict[str, np.ndarray]
-    left: np.ndarray
-    alone: bool = False
-    late: dict[str, np.ndarray] = field(default_factory=dict)
-
-    def of(self, session: Session) -> np.ndarray:
-        """The part of `left` that belongs to one session, (C, n)."""
-        sizes = [s.measured.size for s in self.sessions]
-        i = next(i for i, s in enumerate(self.sessions) if s is session)
-        return self.left[sum(sizes[:i]) : sum(sizes[: i + 1])].reshape(session.measured.shape)
-
-    def tare(self, course: Course) -> Tare | None:
-        """The zero error that a tare leaves, for a course that is a constant zero; None for all others."""
-        if not course.tares:
-            return None
-        return tare_of_drive(self.sessions) if course.carrier == DRIVE else self._tared[course.rows[0]]
-
-    @cached_property
-    def _tared(self) -> list[Tare]:
-        """The same for every channel, computed from the noise spectrum once for all zeros."""
-        return tares(self.sessions, self.noise)
-
-    @cached_property
-    def _carriers(self) -> dict[tuple[str, tuple[int, ...], str], np.ndarray]:
-        return {}
-
-    def carrier(self, course: Course, s: Session) -> np.ndarray:
-        """D of the module's equation, (C, N), newtons per unit of z; computed once for all shapes."""
-        key = course.carrier, course.rows, s.name
-        if key not in self._carriers:
-            self._carriers[key] = carried(course.carrier, course.rows, self.model, s, self.plain[s.name], self.late.get(s.name, 0.0))
-        return self._carriers[key]
-
-    def beside(self, rows: np.ndarray) -> np.ndarray:
-        """Whitened rows (R, …) projected off `Q`."""
-        if self.Q is None:
-            return rows
-        rows = np.concatenate([rows, np.zeros((len(self.Q) - len(rows), *rows.shape[1:]))])
-        return projected_off(rows, self.Q)
-
-    def span(self, course: Course, s: Session) -> tuple[float, float]:
-        """First and last moment (s) at which a course may step; after the last one too little is compared to see the step. A slope step at
-        the very start of a lone session is the skin's stiffness, and where sessions press at several places it is the place's: there the
-        span begins later."""
-        t = s.motion.t
-        own = course.carrier == SLOPE and self.Q is not None and not self.alone and (len(self.sessions) == 1 or s.spread is not None)
-        first = float(t[0] + own * (t[-1] - t[0]) / (MOMENTS + 1))
-        felt = np.sum((s.band.thin(self.carrier(course, s)) * s.weight) ** 2, axis=0)
-        told = np.cumsum(felt[::-1])[::-1] > SEEN * np.sum(felt)
-        return first, max([first, *s.t[told][-1:]])
-
-
-def _ground(model: Model, sessions: list[Session], noise: Whitener, Q: np.ndarray | None = None, alone: bool = False) -> _Ground:
-    plain = {s.name: simulated(model, s) for s in sessions}
-    r = stack([s.measured - s.band.thin(plain[s.name]) for s in sessions], sessions, noise)
-    ground = _Ground(model, sessions, noise, Q, plain, r, alone)
-    return replace(ground, left=ground.beside(r))
-
-
-def _held_ground(model: Model, held: list[Session], noise: Whitener, free: Open) -> _Ground:
-    return _ground(model, held, noise, basis(free.rows(held, noise)), alone=True)
-
-
-def _run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
+def _run(course: Course, g: Ground, at: Moments | None = None) -> Run:
     """The course fitted. A delay is fitted repeatedly, each time linearised about the delay found before."""
     run = _linear_run(course, g, at)
     if course.carrier != DELAY or run.score <= 0.0:
@@ -216,25 +137,25 @@ def _run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
 
 def _total(course: Course, run: Run, s: Session) -> np.ndarray:
     """The sum of the terms z_k phi_k of a run in one session, (N,)."""
-    return run.amplitudes[s.name] @ _on(run.moments[s.name], course, s)
+    return run.amplitudes[s.name] @ phi(run.moments[s.name], course, s)
 
 
-def _linear_run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
+def _linear_run(course: Course, g: Ground, at: Moments | None = None) -> Run:
     """The course fitted by linear least squares, as if its effect were proportional to its amplitudes."""
     moments, (z, score, charge) = _solved_steps(course, g, at) if course.shape == STEPS else _solved(course, g, at)
-    values = {s.name: _value(course, g, s, moments[s.name], z[s.name]) for s in g.sessions}
+    values = {s.name: g.value(course, s, moments[s.name], z[s.name]) for s in g.sessions}
     said = {s.name: said_of(course, s.motion.t[0], moments[s.name], z[s.name]) for s in g.sessions}
     largest = max(float(np.abs(row).max(initial=0.0)) for row in z.values())
     return Run(course, score, charge, largest, values, said, g.sessions[0].longest_period, g.tare(course), moments, z)
 
 
-def _solved(course: Course, g: _Ground, at: Moments | None) -> tuple[Moments, Solution]:
+def _solved(course: Course, g: Ground, at: Moments | None) -> tuple[Moments, Solution]:
     """Moments (given by `at`, or on an even grid) and the amplitudes there."""
     moments = at or {s.name: _moments(course, g, s) for s in g.sessions}
     return moments, _solve(course, g, moments, exactly=at is not None)
 
 
-def _solved_steps(course: Course, g: _Ground, at: Moments | None) -> tuple[Moments, Solution]:
+def _solved_steps(course: Course, g: Ground, at: Moments | None) -> tuple[Moments, Solution]:
     """The moments of the steps that are used, and their amplitudes. Unless they are given by `at`, moments are searched for on a coarse
     grid, then on a fine one around those found, and the fit is repeated without steps that do not last."""
     moments, (z, score, charge) = _solved(course, g, at)
@@ -260,16 +181,7 @@ def _lasting(moments: np.ndarray, z: np.ndarray) -> np.ndarray:
     return last if last.size else moments[:1]
 
 
-def _value(course: Course, g: _Ground, s: Session, moments: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """What the amplitudes z (K,) add to the channels, (C, N) N. A step of depth is simulated exactly, since the apparent speed at the jump
-    also acts."""
-    if course.carrier == DEPTH:
-        jumps = (a * after_jump(g.model, s, g.plain[s.name], m) for a, m in zip(z, moments, strict=True))
-        return sum(jumps, np.zeros_like(s.raw))
-    return g.carrier(course, s) * (z @ _on(moments, course, s))
-
-
-def _moments(course: Course, g: _Ground, s: Session) -> np.ndarray:
+def _moments(course: Course, g: Ground, s: Session) -> np.ndarray:
     """Candidate moments of steps: an even grid, and the moments where the residual itself suggests one."""
     t = s.motion.t
     if course.shape != STEPS:
@@ -285,16 +197,6 @@ def _knots(course: Course, s: Session) -> np.ndarray:
     return np.linspace(t[0], t[-1], max(2, round((t[-1] - t[0]) / KNOT_S[course.carrier]) + 1)) if course.shape == BEND else np.zeros(1)
 
 
-def _on(moments: np.ndarray, course: Course, s: Session) -> np.ndarray:
-    """phi_k (K, N) of the module's equation."""
-    t = s.motion.t
-    if course.shape == CONSTANT:
-        return np.ones((1, t.size))
-    if course.shape == BEND:
-        return np.array([np.interp(t, moments, hat) for hat in np.eye(moments.size)])
-    return (t >= moments[:, None]).astype(float)
-
-
 def _around(moments: np.ndarray, z: np.ndarray, s: Session, span: tuple[float, float]) -> np.ndarray:
     """Finer grids about the moments that were used, within a span: one as wide as the coarse spacing, one from sample to sample."""
     dt, gap = s.motion.dt, (s.motion.t[-1] - s.motion.t[0]) / (MOMENTS + 1)
@@ -303,10 +205,10 @@ def _around(moments: np.ndarray, z: np.ndarray, s: Session, span: tuple[float, f
     return np.unique(np.clip(np.add.outer(used, around), *span)) if used.size else moments[:1]
 
 
-def _solve(course: Course, g: _Ground, moments: Moments, exactly: bool = False) -> Solution:
+def _solve(course: Course, g: Ground, moments: Moments, exactly: bool = False) -> Solution:
     """Amplitudes by session, their gain less the charge for each free amplitude (twice for steps, whose moment is charged too), and that
     charge."""
-    rows = [_columns(course, g, s, moments[s.name], exactly) for s in g.sessions]
+    rows = [g.columns(course, s, moments[s.name], exactly) for s in g.sessions]
     normal = Normal.by_blocks([stack([own], [s], g.noise) for own, s in zip(rows, g.sessions, strict=True)], g.left, g.Q)
     if course.shape == STEPS:
         z = normal.pursue(MOST_STEPS * len(g.sessions))
@@ -322,18 +224,7 @@ def _solve(course: Course, g: _Ground, moments: Moments, exactly: bool = False) 
     return dict(zip((s.name for s in g.sessions), split, strict=True)), normal.explained(z) - float(charge), float(charge)
 
 
-def _columns(course: Course, g: _Ground, s: Session, moments: np.ndarray, exactly: bool) -> np.ndarray:
-    """Change of the channels per unit of every z_k in the common band, (K, C, n) N; zero in all channels but the course's own."""
-    if exactly and course.carrier == DEPTH:
-        return np.array([s.band.thin(after_jump(g.model, s, g.plain[s.name], m)) for m in moments])
-    phi, carrier = _on(moments, course, s), g.carrier(course, s)
-    out = np.zeros((len(phi), *s.measured.shape))
-    for c in course.rows or range(len(carrier)):
-        out[:, c] = s.band.thin(carrier[c] * phi)
-    return out
-
-
-def _free(course: Course, g: _Ground, rows: list[np.ndarray]) -> np.ndarray:
+def _free(course: Course, g: Ground, rows: list[np.ndarray]) -> np.ndarray:
     """Columns (K, L) that span the admissible amplitudes. Where the model is free, the mean over all amplitudes is removed from
     session-long slopes and from delays that bend: a common slope is the model's stiffness, and a common delay is taken up by its
     damping."""

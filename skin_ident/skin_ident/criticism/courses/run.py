@@ -1,6 +1,6 @@
 """A course fitted to sessions, and the size above which it is more than good hardware does."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -24,8 +24,8 @@ def least_depth(encoder_step: float) -> float:
 @dataclass(frozen=True)
 class Run:
     """A course fitted to sessions: its `score` (gain less `charge`), the `charge` for amplitudes and moments, its `largest` amplitude, its
-    `values` (C, N) N and words `said` by session, the sampling `period`, s, the `tare` where it is a constant zero, by session the
-    `moments` of its steps, s, and their `amplitudes`, and the values `of_held` sessions once it is taken."""
+    `values` (C, N) N and words `said` by session, the sampling `period`, s, the `tare` where it is a constant zero, and by session the
+    `moments` of its steps, s, and their `amplitudes`."""
 
     course: Course
     score: float
@@ -37,7 +37,16 @@ class Run:
     tare: Tare | None = None
     moments: Moments = field(default_factory=dict)
     amplitudes: dict[str, np.ndarray] = field(default_factory=dict)
-    of_held: dict[str, np.ndarray] = field(default_factory=dict)
+
+    def joined(self, other: "Run") -> "Run":
+        """With the same course in the sessions of `other`, too."""
+        both = {name: getattr(self, name) | getattr(other, name) for name in ("values", "said", "moments", "amplitudes")}
+        return replace(self, **both, largest=max(self.largest, other.largest))
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no session has any of it."""
+        return not any(np.any(z) for z in self.amplitudes.values())
 
     @property
     def size(self) -> float:

@@ -13,7 +13,7 @@ from skin_ident.criticism.search.exchange import exchange
 from skin_ident.criticism.search.given_numbers import check_numbers
 from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.search.only_held import tell_of_held
-from skin_ident.criticism.search.own import drop_gain
+from skin_ident.criticism.search.own_again import drop_gain, settle_courses
 from skin_ident.criticism.search.own_skin import settle_skin, tell_of_skin
 from skin_ident.criticism.search.proposals import Direction, directions
 from skin_ident.criticism.search.search import eliminate, run
@@ -111,6 +111,8 @@ def _name_all(search: Search) -> None:
     """Name one cause after the other, replace findings by causes that explain more in their place, and take out what nothing needs."""
     run(search, search.baseline)
     while len(search.rounds) < search.most and exchange(search):
+        run(search, search.present)
+    if settle_courses(search):
         run(search, search.present)
     drop_alone(search)
     if drop_gain(search):

@@ -9,7 +9,7 @@ from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.courses.carriers import DELAY, DEPTH, SLOPE, ZERO
 from skin_ident.criticism.courses.course import added, fitted
 from skin_ident.criticism.courses.gate import believed, course_gain, helps, stands
-from skin_ident.criticism.courses.kinds import STEPS, WAVE
+from skin_ident.criticism.courses.kinds import STEPS
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.another_skin import with_own_skin
 from skin_ident.criticism.gates.gate import Gain
@@ -22,7 +22,7 @@ from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own_skin import too_few_for_a_pattern
 from skin_ident.criticism.search.rivals import Rival, own_rivals, reach
 from skin_ident.criticism.search.state import Search
-from skin_ident.criticism.search.tared import take_zeros, taken_off, untared
+from skin_ident.criticism.search.tared import untared, zero_held
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session, with_zeros
 from skin_ident.criticism.vocabulary import Key
@@ -82,10 +82,10 @@ def _gain_of(search: Search, run: Run, before: Model, after: Model) -> Gain:
     the course for noise as well."""
     noise = grown_noise_of(after, added(search.train, run.values))
     having = [s for s in search.train if np.any(run.values[s.name])]
-    return course_gain(run.course, before, after, search.train, _of_any_skin(search, run, before, search.held, noise), noise, having)
+    return course_gain(run.course, before, after, search.train, of_any_skin(search, run, before, search.held, noise), noise, having)
 
 
-def _of_any_skin(search: Search, run: Run, model: Model, held: list[Session], noise: Whitener) -> list[Session]:
+def of_any_skin(search: Search, run: Run, model: Model, held: list[Session], noise: Whitener) -> list[Session]:
     """The held-out sessions as a course is compared in them. Another skin looks like another zero of depth; and where few sessions were
     fitted, like what is constant of a gain that steps in them. There it is another skin that they have, and a course must gain, and is
     fitted, beside that. A gain that is constant in every session is nothing else, and is told from skin by how it goes from one to the
@@ -138,42 +138,22 @@ def take_course(search: Search, run: Run, finding: Named) -> None:
     if cost_of(model, moved, noise) < cost_of(model, train, noise):
         run, train = again, moved
     search.present = fit(model, train, search.noise)
-    held = untared(search)
+    tared, held = bool(search.zeros_of_held), untared(search)
     free = left_open(search.present.model, train, held, noise)
-    compared = _of_any_skin(search, run, search.present.model, held, noise)
+    compared = of_any_skin(search, run, search.present.model, held, noise)
     other = fitted(run.course, search.present.model, compared, noise, free) if held else None
-    run = replace(run, of_held=other.values if other else {})
-    search.runs.append(run)
     of_tares = run.of_the_tare and (other is None or other.of_the_tare)
+    run = run.joined(other) if other else run
+    search.runs.append(run)
     put = with_zeros if of_tares else added
-    search.train, search.held = put(search.train, run.values), put(held, run.of_held) if other else held
+    search.train, search.held = put(search.train, run.values), put(held, run.values)
+    if tared:
+        zero_held(search, {})
     if of_tares:
         search.tared[run.course.key] = tare_does(run.largest, run.tare)
         return
-    search.named.append(replace(finding, courses={**run.said, **(other.said if other else {})}))
+    search.named.append(replace(finding, courses=run.said))
     search.progress(f"named {finding.cause} in the {finding.where}")
-
-
-def drop_gain(search: Search) -> bool:
-    """Take out a gain of single sessions that was named before zeros as tares leave them were taken, where these explain as much in its
-    place: a channel whose zero is off reads a wrong share of the force. Return whether one was taken out."""
-    gains = [r for r in search.runs if r.course.carrier == SLOPE and r.course.shape != WAVE and r is not search.alone]
-    return search.zeroed is not None and any(_dropped(search, run) for run in gains)
-
-
-def _dropped(search: Search, run: Run) -> bool:
-    """Whether a gain was taken out, since without it, but with zeros, next to nothing more is left."""
-    ahead = search.ahead(search.present)
-    ahead.train, ahead.held = taken_off(search.train, run.values), taken_off(search.held, run.of_held)
-    ahead.present, ahead.zeroed = fit(search.present.model, ahead.train, search.noise), None
-    take_zeros(ahead)
-    if ahead.present.cost - search.present.cost > SEARCHED * search.least(search.present.count):
-        return False
-    search.train, search.held, search.present = ahead.train, ahead.held, ahead.present
-    search.tared, search.zeros_of_held = ahead.tared, ahead.zeros_of_held
-    search.runs = [r for r in search.runs if r is not run]
-    search.named = [n for n in search.named if n.key != run.course.key or not run.said.items() <= n.courses.items()]
-    return True
 
 
 def _in_place_of_drift(search: Search, run: Run, finding: Named) -> tuple[Run, Named]:

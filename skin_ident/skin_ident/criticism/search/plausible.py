@@ -6,14 +6,17 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.unknowns import LATE, least_damping
+from skin_ident.criticism.gates.gate import own_channels
 from skin_ident.criticism.search.growing import felt, unlike_skin
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_ident.criticism.telemetry.pull import is_pulled
-from skin_ident.criticism.vocabulary import ADHESION, DAMPING, HYSTERESIS
-from skin_models.effects.hysteresis import SkinHysteresis
+from skin_ident.criticism.vocabulary import ADHESION, DAMPING
+from skin_models.effect import Effect
+from skin_models.effects.hysteresis import BoucWenHysteresis
 
-HARDLY = 0.8  # of a simulated depth, beyond which a loop hardly yields
+ONCE = 0.6  # of the greatest depth or reading: a loop that closes yields both ways, and needs less than half
+LITTLE = 5.0  # times the threshold of other elements, from which Bouc-Wen's is a stiffness
 FELT = 0.4  # least ratio of what the load cell feels of an effect of the skin to what a taxel feels of it
 
 
@@ -37,13 +40,24 @@ def _is_no_skin(trial: Trial, sessions: list[Session]) -> bool:
     return unlike_skin(trial.fit.model)
 
 
-def _never_yields(trial: Trial, sessions: list[Session]) -> bool:
-    """An element of a loop that no motion is long enough to make yield is only a stiffness; other forms of a loop yield little by little.
-    Where a force drives the test the depth is only simulated, and an element that yields at its very end is none, either."""
-    skin = trial.fit.model.dispersion
-    farthest = max(float(motion_under(s, skin).x.max()) * (1.0 if s.drive is None else HARDLY) for s in sessions)
-    loops = trial.fit.model.having(HYSTERESIS)
-    return trial.key == HYSTERESIS and all(type(e) is SkinHysteresis and e.threshold >= farthest for e in loops)
+def _yields_once(trial: Trial, sessions: list[Session]) -> bool:
+    """An element of a loop whose threshold is more than half as far as anything ever goes yields on the way to the farthest point, if at
+    all, and never again: it is a stiffness, and a zero that this point has set. Bouc-Wen's yields little by little."""
+    loops, far = trial.fit.model.having(trial.key), ONCE * _farthest(trial, sessions)
+    return trial.ranked.cause == "hysteresis" and all(_threshold(e) >= far for e in loops)
+
+
+def _threshold(loop: Effect) -> float:
+    """From where an element of a loop yields, m or N; 0 where it always does."""
+    return loop.threshold / (LITTLE if isinstance(loop, BoucWenHysteresis) else 1.0) if hasattr(loop, "threshold") else 0.0
+
+
+def _farthest(trial: Trial, sessions: list[Session]) -> float:
+    """The greatest depth, m, or the greatest reading of a sensor, N."""
+    if trial.ranked.where == "skin":
+        return max(float(motion_under(s, trial.fit.model.dispersion).x.max()) for s in sessions)
+    own = [sessions[0].channels.index(c) for c in own_channels(trial.ranked.where, sessions[0].channels)]
+    return max(float(np.abs(s.bridged[own]).max(initial=0.0)) for s in sessions)
 
 
 def _drives(trial: Trial, sessions: list[Session]) -> bool:
@@ -86,7 +100,7 @@ RULES: tuple[Callable[[Trial, list[Session]], bool], ...] = (
     _leaks_less_than_nothing,
     _spreads_both_ways,
     _is_no_skin,
-    _never_yields,
+    _yields_once,
     _drives,
     _pulls_unseen,
     _passes_by_the_load_cell,
