@@ -260,7 +260,7 @@ def _is_rival(search: Search, other: Trial, best: Trial, gain: Gain) -> bool:
         return True
     if other.score <= (1.0 - WIDE) * best.score:
         return False
-    unread, unread_of_best = (blurred(search.present.model, t.fit.model, search.train, search.noise) for t in (other, best))
+    unread, unread_of_best = (blurred(t.fit.model, search.train, search.noise) for t in (other, best))
     if other.score + unread - unread_of_best > reach(best.score):
         return True
     return search.gain(search.present.model, other.fit.model, other.key[1]).relative >= NEARLY * gain.relative

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 from skin_ident.criticism.baseline.fitting import Fit
 from skin_ident.criticism.courses.carriers import DELAY, SLOPE
-from skin_ident.criticism.courses.kinds import CONSTANT
+from skin_ident.criticism.courses.course import fitted
+from skin_ident.criticism.courses.kinds import CONSTANT, STEPS
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.search.believing import first_believed
 from skin_ident.criticism.search.named import Named
@@ -12,9 +13,10 @@ from skin_ident.criticism.search.own import fit_beside, own_course
 from skin_ident.criticism.search.rivals import CHANCE_SCORE
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.trial import Trial
+from skin_models.model import Model
 
 MARGIN = 1.1  # times the score of the best shared cause that a course must reach to go first
-BEHIND = 0.9  # times the same, from which a course is tried where held-out data refuse that cause
+BEHIND = 0.9  # times the same, from which a course is tried where held-out data refuse that cause, and causes count as the best
 NEARLY = 0.9  # share of a bending course's score that a constant course must reach to replace it
 BESIDE = 0.6  # share of the score of a course that predicts nothing, which another cause must explain to be tried
 
@@ -37,7 +39,7 @@ def _chosen(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[tuple
     if not runs:
         return None, first_believed(search, trials, runs)
     first, best = runs[0], max((t.score for t in trials), default=0.0)
-    leads = first.score > (best if _is_one_number(first) else max(MARGIN * best, best + CHANCE_SCORE))
+    leads = _leads(search, trials, first)
     same, score = bool(trials) and trials[0].key == first.course.key, first.score
     if same and not leads:  # in another form than the best trial, which was refitted with everything else, so this is refitted as well
         score = max(score, fit_beside(search, first)[1])
@@ -52,6 +54,22 @@ def _chosen(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[tuple
     if not (shared or leads) and score > BEHIND * best:
         return _own(search, runs, trials), None
     return None, shared
+
+
+def _leads(search: Search, trials: list[Trial], first: Run) -> bool:
+    """Whether a course explains clearly more than any shared cause; one that steps, also more than a shared cause beside what is the same
+    in a session from its start. For steps stand for both: a gain that creeps in skins that differ, for example."""
+    best = max((t.score for t in trials), default=0.0)
+    if first.score <= (best if _is_one_number(first) else max(MARGIN * best, best + CHANCE_SCORE)):
+        return False
+
+    def from_the_start(model: Model) -> float:
+        at = {s.name: s.motion.t[:1] for s in search.train}
+        return max(fitted(first.course, model, search.train, search.noise, at=at).score, 0.0)
+
+    if first.course.shape != STEPS or from_the_start(search.present.model) > best:
+        return True
+    return first.score > max((t.score + from_the_start(t.fit.model) for t in trials if t.score > BEHIND * best), default=0.0)
 
 
 def _own(search: Search, runs: list[Run], trials: list[Trial]) -> tuple[Run, Named] | None:

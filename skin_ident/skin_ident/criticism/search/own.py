@@ -22,7 +22,7 @@ from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own_skin import too_few_for_a_pattern
 from skin_ident.criticism.search.rivals import Rival, own_rivals, reach
 from skin_ident.criticism.search.state import Search
-from skin_ident.criticism.search.tared import untared, zero_held
+from skin_ident.criticism.search.tared import untared, with_own_zeros, zero_held
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session, with_zeros
 from skin_ident.criticism.vocabulary import Key
@@ -82,10 +82,10 @@ def _gain_of(search: Search, run: Run, before: Model, after: Model) -> Gain:
     the course for noise as well."""
     noise = grown_noise_of(after, added(search.train, run.values))
     having = [s for s in search.train if np.any(run.values[s.name])]
-    return course_gain(run.course, before, after, search.train, of_any_skin(search, run, before, search.held, noise), noise, having)
+    return course_gain(run.course, before, after, search.train, _of_any_skin(search, run, before, search.held, noise), noise, having)
 
 
-def of_any_skin(search: Search, run: Run, model: Model, held: list[Session], noise: Whitener) -> list[Session]:
+def _of_any_skin(search: Search, run: Run, model: Model, held: list[Session], noise: Whitener) -> list[Session]:
     """The held-out sessions as a course is compared in them. Another skin looks like another zero of depth; and where few sessions were
     fitted, like what is constant of a gain that steps in them. There it is another skin that they have, and a course must gain, and is
     fitted, beside that. A gain that is constant in every session is nothing else, and is told from skin by how it goes from one to the
@@ -138,11 +138,9 @@ def take_course(search: Search, run: Run, finding: Named) -> None:
     if cost_of(model, moved, noise) < cost_of(model, train, noise):
         run, train = again, moved
     search.present = fit(model, train, search.noise)
-    tared, held = bool(search.zeros_of_held), untared(search)
-    free = left_open(search.present.model, train, held, noise)
-    compared = of_any_skin(search, run, search.present.model, held, noise)
-    other = fitted(run.course, search.present.model, compared, noise, free) if held else None
-    of_tares = run.of_the_tare and (other is None or other.of_the_tare)
+    held = untared(search)
+    other = _in_held(search, run, train, held, noise) if held else None
+    tared, of_tares = held is not search.held, run.of_the_tare and (other is None or other.of_the_tare)
     run = run.joined(other) if other else run
     search.runs.append(run)
     put = with_zeros if of_tares else added
@@ -154,6 +152,20 @@ def take_course(search: Search, run: Run, finding: Named) -> None:
         return
     search.named.append(replace(finding, courses=run.said))
     search.progress(f"named {finding.cause} in the {finding.where}")
+
+
+def _in_held(search: Search, run: Run, train: list[Session], held: list[Session], noise: Whitener) -> Run:
+    """The course in held-out sessions, which are without their zeros in `held`: fitted beside another skin, beside that of the others, or
+    beside the zeros that they had; whichever leaves less of them where they have the skin of the others."""
+    model, tared = search.present.model, held is not search.held
+    free = left_open(model, train, held, noise)
+    beside = [_of_any_skin(search, run, model, held, noise), held, *([search.held] if tared else [])]
+
+    def left(r: Run) -> float:
+        with_it = added(held, r.values)
+        return cost_of(model, with_own_zeros(search, with_it) if tared else with_it, noise) + r.charge
+
+    return min((fitted(run.course, model, sessions, noise, free) for sessions in beside), key=left)
 
 
 def _in_place_of_drift(search: Search, run: Run, finding: Named) -> tuple[Run, Named]:

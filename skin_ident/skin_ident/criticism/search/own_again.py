@@ -12,7 +12,7 @@ from skin_ident.criticism.courses.kinds import WAVE
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.courses.thinning import may_thin, thinned
 from skin_ident.criticism.gates.uncertain import left_open
-from skin_ident.criticism.search.own import SEARCHED, of_any_skin
+from skin_ident.criticism.search.own import SEARCHED
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.tared import take_zeros, taken_off
 from skin_ident.criticism.sessions.session import Session
@@ -27,7 +27,8 @@ def settle_courses(search: Search) -> bool:
     model, noise = search.present.model, search.noise
     train, held = (taken_off(sessions, _sum_of(runs, sessions)) for sessions in (search.train, search.held))
     fewer, charge = thinned(runs, fitted_ground(model, train, noise))
-    fewer, charge_of_held = _thinned_in_held(search, fewer, held) if held else (fewer, 0.0)
+    free = left_open(model, search.train, held, noise)
+    fewer, charge_of_held = thinned(fewer, held_ground(model, held, noise, free)) if held else (fewer, 0.0)
     if charge + charge_of_held == 0.0:
         return False
     train, held = (added(sessions, _sum_of(fewer, sessions)) for sessions in (train, held))
@@ -39,15 +40,6 @@ def settle_courses(search: Search) -> bool:
     for run, less in zip(runs, fewer, strict=True):
         _put(search, run, less)
     return True
-
-
-def _thinned_in_held(search: Search, runs: list[Run], held: list[Session]) -> tuple[list[Run], float]:
-    """The `runs` with the steps that held-out sessions need, which are without them in `held`; and the charge for those taken out."""
-    model, noise = search.present.model, search.noise
-    free, compared = left_open(model, search.train, held, noise), held
-    for run in runs:
-        compared = of_any_skin(search, run, model, compared, noise)
-    return thinned(runs, held_ground(model, compared, noise, free))
 
 
 def _is_named(search: Search, run: Run) -> bool:

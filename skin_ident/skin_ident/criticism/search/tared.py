@@ -93,6 +93,12 @@ def zero_held(search: Search, shared: Zeros) -> Zeros:
     return found
 
 
+def with_own_zeros(search: Search, held: list[Session]) -> list[Session]:
+    """Held-out sessions with their own zeros, as their tares leave them."""
+    model = search.present.model
+    return with_zeros(held, added_by(zeros(model, held, search.noise, search.encoder_step, free=False)[0], model, held))
+
+
 def add_to_held(search: Search, zeros: dict[str, np.ndarray]) -> None:
     """Add what zeros come to, (C, N) N by session, to the held-out sessions, and keep it in mind."""
     search.held = with_zeros(search.held, zeros)
