@@ -14,7 +14,8 @@ from skin_ident.criticism.gates.gate import by_block, gain_of_residuals, held_ou
 from skin_ident.criticism.gates.second_opinion import all_in_turn, at_any_scale, halves_in_turn
 from skin_ident.criticism.noise.whitening import fit_whitener, stack
 from skin_ident.criticism.search.named import Named
-from skin_ident.criticism.search.own import drop_gain, own_course, take_course
+from skin_ident.criticism.search.own import own_course, take_course
+from skin_ident.criticism.search.own_again import drop_gain
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import survey
