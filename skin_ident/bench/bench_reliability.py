@@ -9,6 +9,7 @@ import csv
 import re
 import sys
 from collections.abc import Iterable
+from datetime import date
 from pathlib import Path
 
 from reliability_counts import DOC, HIDDEN, NOTHING, WORDS, Pool, Row, interval, latest, pool, pools, read
@@ -153,7 +154,7 @@ def world(rows: list[Row], name: str) -> str:
         raise SystemExit(f"reliability.csv has no row of {name}")
     columns: dict[str, list[object]] = {"what": [r.text["what"] for r in of]}
     if name == "own":
-        columns["counted"] = [f"{int(r.text['counted'][-2:])} Nov" for r in of]
+        columns["counted"] = [f"{date.fromisoformat(r.text['counted']):%-d %b}" for r in of]
     columns["cases"] = [_cases(r) for r in of]
     for word in WORDS:
         columns[word] = [r.number[word] for r in of]

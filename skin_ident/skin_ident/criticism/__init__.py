@@ -67,8 +67,9 @@ The method, in the order in which `diagnose` runs it:
     held-out data leave it in doubt (`search.doubt`). Neither is called excluded.
 9.  What sessions do not share.
 
-    - `courses` compete with all causes. Where they explain most by far and yet predict nothing, the noise wanders more than its
-      model knows, and no cause is named.
+    - `courses` compete with all causes; one that steps, also with a cause beside what each session has from its start. Where they
+      explain most by far and yet predict nothing, the noise wanders more than its model knows, and no cause is named. Once everything
+      is known all courses are fitted together, and steps that are not needed are taken out (`search.own_again`).
     - Zero errors of a size that a tare leaves belong to the baseline (`courses.left_by_tare`). Those of all channels and sessions
       together are taken before any cause that explains no more than they do, and where no cause passes (`search.tared`).
     - A cause that some of three or more sessions have and others lack is tried before the causes that all share (`search.partly`). So is

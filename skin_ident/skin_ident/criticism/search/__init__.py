@@ -36,6 +36,7 @@ What is no finding:
 
 - `hardware`: what good hardware does by itself
 - `doubt`: what training supports and other data leave in doubt
+- `unread_play`: play less than a step of the encoder, beside which the search goes on; `zero_of_play`: a zero of depth within its gap
 - `bounds`: for every other cause, above which size it is excluded, or why it is untestable
 
 What is taken into the baseline instead of being named:
@@ -57,6 +58,7 @@ What sessions do not share:
 Beside a finished search:
 
 - `exchange`: whether another account is better, now that all causes are known
+- `own_again`: whether all steps of courses are needed, and gains of single sessions at all
 - `given_numbers`: whether the numbers of a given model are wrong
 - `twin_effects`: for a twin, the effects that it holds itself, found by a search in its own output
 
