@@ -48,7 +48,7 @@ def _what(j: Judged, layout: Layout) -> str:
             turned = f"{np.degrees(p['axis']):+.2g}° against the declared ones"
             return f"the ratios of {n} taxels are those of a stage whose axes are turned by {turned}"
         shift = 1e3 * shift_of(p, layout)
-        return f"the ratios of {n} taxels are those of a contact {np.hypot(*shift):.2g} mm off, by ({shift[0]:+.2g}, {shift[1]:+.2g}) mm"
+        return f"the ratios of {n} taxels are those of a contact {np.hypot(*shift):.2g} mm off, by {_in_mm(shift)}"
     if j.hypothesis.cause == "gain_error":
         return f"{j.hypothesis.where} alone reads {p['gain_' + j.hypothesis.where.partition('_')[2]]:+.1%} against what neighbours imply"
     if j.hypothesis.cause == "crosstalk":
@@ -83,14 +83,19 @@ def changing(e: Effect) -> str:
     """One sentence for an effect that changes the ratios while the array is pressed; empty for any other effect."""
     if isinstance(e, (Leaning, Walking)):
         when = "from the surface to the greatest depth" if isinstance(e, Leaning) else f"in {e.seconds:.0f} s"
-        x, y = 1e3 * e.shift * np.array(e.axis)
-        return f"the ratios of {len(e.taxels)} taxels change as if the contact moved by ({x:+.2g}, {y:+.2g}) mm {when}"
+        return f"the ratios of {len(e.taxels)} taxels change as if the contact moved by {_in_mm(1e3 * e.shift * np.array(e.axis))} {when}"
     if isinstance(e, Widening):
         where = f" at the surface, most of it within {1e3 * e.settling:.2g} mm" if isinstance(e, Settling) else ""
         return f"the spread grows by {1e-3 * e.growth:.1%} per mm of depth{where}"
     if isinstance(e, Capacitive):
         return f"every taxel repeats {e.share:.1%} of what changes in its neighbours within {1e3 * e.tau:.0f} ms"
     return f"every taxel repeats {e.share:.1%} of its neighbours, {1e3 * e.tau:.0f} ms late" if isinstance(e, Smeared) else ""
+
+
+def _in_mm(shift: np.ndarray) -> str:
+    """A shift (2,) mm in words, to the micrometre; no zero is negative."""
+    x, y = np.round(shift, 3) + 0.0
+    return f"({x:+.2g}, {y:+.2g}) mm"
 
 
 def shift_of(p: dict[str, float], layout: Layout) -> np.ndarray:
