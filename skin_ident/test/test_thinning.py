@@ -59,6 +59,13 @@ def test_what_another_course_explains_alone_has_no_steps_left(noise):
     assert gain.is_empty and not zero.is_empty
 
 
+def test_where_nothing_is_nothing_is_left(noise):
+    made = [replace(prepare(recorded(PLAIN, seed=seed)), name=str(seed)) for seed in (1, 2)]
+    gain = given(GAIN, made, noise, HALF_WAY)
+    again, charge = thinned([gain], fitted_ground(PLAIN, made, noise))
+    assert gain.is_empty and again[0].is_empty and charge == 0.0
+
+
 def test_steps_that_are_needed_stay(noise):
     made = sessions(0.01)
     both = [given(ZERO_OF_DEPTH, made, noise, float(T[0])), given(GAIN, made, noise, HALF_WAY)]

@@ -33,8 +33,9 @@ def settle_courses(search: Search) -> bool:
         return False
     train, held = (added(sessions, _sum_of(fewer, sessions)) for sessions in (train, held))
     after = fit(model, train, noise)
+    rise = after.cost - cost_of(model, search.train, noise)
     rise_of_held = cost_of(after.model, held, noise) - cost_of(model, search.held, noise) if held else 0.0
-    if after.cost - search.present.cost > charge or rise_of_held > charge_of_held + charge:
+    if rise > charge or rise_of_held > charge_of_held + charge:
         return False
     search.present, search.train, search.held = after, train, held
     for run, less in zip(runs, fewer, strict=True):
