@@ -156,16 +156,21 @@ def take_course(search: Search, run: Run, finding: Named) -> None:
 
 def _in_held(search: Search, run: Run, train: list[Session], held: list[Session], noise: Whitener) -> Run:
     """The course in held-out sessions, which are without their zeros in `held`: fitted beside another skin, beside that of the others, or
-    beside the zeros that they had; whichever leaves less of them where they have the skin of the others."""
+    beside the zeros that they had; whichever leaves less of them, with what the numbers of a skin are charged."""
     model, tared = search.present.model, held is not search.held
-    free = left_open(model, train, held, noise)
-    beside = [_of_any_skin(search, run, model, held, noise), held, *([search.held] if tared else [])]
+    free, charge = left_open(model, train, held, noise), np.log(max(sum(np.count_nonzero(s.weight) for s in held), 2))
 
-    def left(r: Run) -> float:
-        with_it = added(held, r.values)
-        return cost_of(model, with_own_zeros(search, with_it) if tared else with_it, noise) + r.charge
+    def fit_in(sessions: list[Session], left_in: list[Session]) -> tuple[float, Run]:
+        own = fitted(run.course, model, sessions, noise, free)
+        with_it = added(left_in, own.values)
+        left = cost_of(model, with_own_zeros(search, with_it) if tared else with_it, noise)
+        return left + own.charge + charge * sum(len(s.skin) for s in left_in), own
 
-    return min((fitted(run.course, model, sessions, noise, free) for sessions in beside), key=left)
+    another = _of_any_skin(search, run, model, held, noise)
+    fits = [fit_in(held, held)]
+    fits += [fit_in(another, another)] if another is not held else []
+    fits += [fit_in(search.held, held)] if tared else []
+    return min(fits, key=lambda fit: fit[0])[1]
 
 
 def _in_place_of_drift(search: Search, run: Run, finding: Named) -> tuple[Run, Named]:
