@@ -170,7 +170,7 @@ def _in_held(search: Search, run: Run, train: list[Session], held: list[Session]
     fits = [fit_in(held, held)]
     fits += [fit_in(another, another)] if another is not held else []
     fits += [fit_in(search.held, held)] if tared else []
-    return min(fits, key=lambda fit: fit[0])[1]
+    return min(fits, key=lambda each: each[0])[1]
 
 
 def _in_place_of_drift(search: Search, run: Run, finding: Named) -> tuple[Run, Named]:
