@@ -16,7 +16,7 @@ from skin_ident.criticism.search.trial import Trial
 from skin_models.model import Model
 
 MARGIN = 1.1  # times the score of the best shared cause that a course must reach to go first
-BEHIND = 0.9  # times the same, from which a course is tried where held-out data refuse that cause, and causes count as the best
+BEHIND = 0.9  # times the same, from which a course is tried where held-out data refuse that cause; and a cause counts as one of the best
 NEARLY = 0.9  # share of a bending course's score that a constant course must reach to replace it
 BESIDE = 0.6  # share of the score of a course that predicts nothing, which another cause must explain to be tried
 

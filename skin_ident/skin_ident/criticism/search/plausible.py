@@ -43,8 +43,10 @@ def _is_no_skin(trial: Trial, sessions: list[Session]) -> bool:
 def _yields_once(trial: Trial, sessions: list[Session]) -> bool:
     """An element of a loop whose threshold is more than half as far as anything ever goes yields on the way to the farthest point, if at
     all, and never again: it is a stiffness, and a zero that this point has set. Bouc-Wen's yields little by little."""
-    loops, far = trial.fit.model.having(trial.key), ONCE * _farthest(trial, sessions)
-    return trial.ranked.cause == "hysteresis" and all(_threshold(e) >= far for e in loops)
+    if trial.ranked.cause != "hysteresis":
+        return False
+    far = ONCE * _farthest(trial, sessions)
+    return all(_threshold(e) >= far for e in trial.fit.model.having(trial.key))
 
 
 def _threshold(loop: Effect) -> float:
