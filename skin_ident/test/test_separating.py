@@ -8,6 +8,7 @@ import yaml
 from rows import rows
 
 from skin_ident.criticism.baseline.fitting import fit
+from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.gates.gate import Gain
@@ -22,6 +23,7 @@ from skin_ident.criticism.sessions.session import prepare
 from skin_ident.criticism.vocabulary import BY_NAME
 from skin_ident.hiding.simulated_rig import SimulatedRig, varied
 from skin_ident.recordings.mass import known_mass
+from skin_ident.recordings.recording import Recording
 from skin_ident.separating.by_hand import MORE_THAN_A_MOTION, shown_by_hand
 from skin_ident.separating.candidates import candidates
 from skin_ident.separating.choose import Experiment, _Option, _text, as_criticised, separating_experiment
@@ -30,6 +32,7 @@ from skin_ident.separating.unrecorded import holds, unrecorded
 from skin_models.catalogue import effect_class
 from skin_models.materials import material
 from skin_models.model import Model
+from skin_models.signals import motion
 from skin_motion_profiles.picture import motions_of
 from skin_motion_profiles.profile_file import entry_from_text, entry_from_words
 
@@ -117,6 +120,19 @@ def test_candidates_stay_within_depth_and_rig():
     assert len(found) > 25 and len({c.name for c in found}) == len(found)
     for c in found:
         assert c.motion.x.max() < 0.602e-3 and np.abs(c.motion.v).max() < 20.1e-3
+
+
+@pytest.mark.parametrize("spread", [None, np.array([0.8])])
+def test_a_motion_is_rehearsed_with_the_taxels_and_the_mass_of_the_record(spread):
+    """Where sessions press at several places, each has shares of its own, which are fitted to what it reads."""
+    t = np.arange(2000) / 100.0
+    x = 5e-4 * (1.0 - np.cos(0.9 * t))
+    model = material("silicone_4mm").model
+    truth = model.simulate(motion(t, x))
+    session = replace(prepare(Recording("made", t, x, truth.force, truth.taxels)), spread=spread, heaviest=1e-3)
+    again = rehearsed(motion(t, x), session, model)
+    assert again.heaviest == session.heaviest
+    assert simulated(model, again)[1:] == pytest.approx((1.0 if spread is None else 0.8) * truth.taxels, abs=1e-9)
 
 
 def test_a_motion_is_rehearsed_in_the_band_in_which_it_will_be_compared():

@@ -122,8 +122,11 @@ def rehearsed(motion: Motion, like: Session, model: Model) -> Session:
         period=motion.dt,
         drive=None if like.drive is None else np.zeros(len(motion)),
         drive_noise=like.drive_noise,
+        heaviest=like.heaviest,
+        hung=like.hung,
         spread=like.spread,
         contact=like.contact,
         steps=like.steps,
     )
-    return without_parting(replace(blank, bridged=simulated(model, blank)), model.dispersion)
+    read = simulated(model, replace(blank, pinned=True))  # shares of its own are fitted to what it reads, which it has yet to read
+    return without_parting(replace(blank, bridged=read, measured=band.thin(read)), model.dispersion)
