@@ -105,6 +105,15 @@ def test_stepping_equals_batch_to_rounding(cls, where):
 
 
 @every_effect
+def test_one_sample_is_enough(cls, where):
+    s = laid(Motion(np.zeros(1), np.full(1, 1e-3), np.zeros(1), np.zeros(1), 5e-3))
+    e = cls.typical(where)
+    y = signal(e.place, s)
+    out = run(e, y, s)
+    assert out.shape == y.shape and np.max(np.abs(out - steps(e, y, s))) <= 1e-12 * max(1.0, np.max(np.abs(y)))
+
+
+@every_effect
 def test_a_step_can_be_tried_and_taken_back(cls, where):
     e, y, s = typical(cls, where)
     state = e.initial(np.random.default_rng(7))

@@ -114,5 +114,5 @@ class Fatigue(Dynamic):
         return y * left(self.loss, s.once("path", None, lambda: self._path(s)), self.length)
 
     def _path(self, s: Motion) -> np.ndarray:
-        moved = np.abs(np.diff(play(depth_in_contact(s.x), FLICKER), axis=-1))
-        return np.concatenate([np.zeros_like(moved[..., :1]), np.cumsum(moved, axis=-1)], axis=-1)
+        path = play(depth_in_contact(s.x), FLICKER)
+        return np.cumsum(np.abs(np.diff(path, axis=-1, prepend=path[..., :1])), axis=-1)

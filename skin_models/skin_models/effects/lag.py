@@ -7,7 +7,8 @@
     one-sided        tau r^(-1/2) z' + z = y where y > z, tau r^(1/2) z' + z = y elsewhere,      y' = z        r > 1: slow to recover
 
 All start at rest, z(0) = y(0), and are late by tau for slow inputs; tau = 0 is the identity. The steps are exact for an input that is
-linear between samples (first-order hold). Of first order:
+linear between samples (first-order hold); those of the one-sided form as long as input and output do not cross between samples. Of first
+order:
 
     z[n] = e z[n-1] + (g - e) y[n-1] + (1 - g) y[n],        e = exp(-dt / tau),  g = (1 - e) tau / dt.
 

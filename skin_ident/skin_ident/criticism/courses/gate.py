@@ -115,7 +115,7 @@ def _left(run: Run, model: Model, sessions: list[Session]) -> float:
 def _predicted(course: Course, model: Model, s: Session, noise: Whitener, free: Open | None) -> np.ndarray:
     """Residual (C, n) after subtracting in each block the course that was fitted to the other blocks.
 
-    Jumps of depth or of a zero, and slips of a buffer, take their moments from all blocks. A jump placed a little too early or late would
+    All steps, and slips of a buffer, take their moments from all blocks. A jump placed a little too early or late would
     feign a speed or leave a spike; and half a session shows more slips than all of it, each of them far off in the blocks between.
     """
     e = residual(model, s)

@@ -15,7 +15,7 @@ from skin_ident.criticism.projection import basis, projected_off
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
-MOMENTS = 24  # intervals of the even grid of a session on which steps are first searched for
+MOMENTS = 24  # moments of the even grid of a session on which steps are first searched for, after its start
 SEEN = 0.01  # share of the energy of a step from the start on that the last possible step must still have
 
 
@@ -92,16 +92,17 @@ class Ground:
         return first, max([first, *s.t[told][-1:]])
 
     def value(self, course: Course, s: Session, moments: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """What the amplitudes z (K,) add to the channels, (C, N) N. A step of depth is simulated exactly, since the apparent speed at the
-        jump also acts."""
+        """What the amplitudes z (K,) add to the channels, (C, N) N. A step of depth is a small one in proportion, with the apparent speed
+        at the jump: right for the counts that encoders lose, and some percent off for a third of a millimetre, after which the plunger
+        meets the skin elsewhere."""
         if course.carrier == DEPTH:
             jumps = (a * after_jump(self.model, s, self.plain[s.name], m) for a, m in zip(z, moments, strict=True))
             return sum(jumps, np.zeros_like(s.raw))
         return self.carrier(course, s) * (z @ phi(moments, course, s))
 
     def columns(self, course: Course, s: Session, moments: np.ndarray, exactly: bool) -> np.ndarray:
-        """Change of the channels per unit of every z_k in the common band, (K, C, n) N; zero in all channels but the course's own. Steps of
-        depth are simulated `exactly`, or only for a small and slow change."""
+        """Change of the channels per unit of every z_k in the common band, (K, C, n) N; zero in all channels but the course's own. With
+        `exactly`, steps of depth are those of `value`; else the speed at the jump is left out."""
         if exactly and course.carrier == DEPTH:
             return np.array([s.band.thin(after_jump(self.model, s, self.plain[s.name], m)) for m in moments])
         shapes, carrier = phi(moments, course, s), self.carrier(course, s)
